@@ -1,0 +1,1 @@
+"""What the world is: impedances, actuators, uncertainty, controllers, the closed loop (★)."""

@@ -1,0 +1,104 @@
+"""The closed loop of every controller in the paper: (★), from which (5), (7), (8), (17) and (21) follow.
+
+    Z = τ_int/θ = Q̃·G_imp + (1−Q̃)·Z₀,    Q̃ = HCF/(1+HCF),    Z₀ = G⁻¹ + Z_a − H F_d (Ĝ⁻¹ − G_imp)        (★)
+
+Derivation: the load obeys `G⁻¹θ = τ_int + τ_sea`, the actuator `τ_sea = H τ_d − Z_a θ`, the controller
+`τ_d = C F (τ_int − G_imp θ) + F_d (Ĝ⁻¹ − G_imp) θ`. Eliminate τ_sea and τ_d, collect θ and τ_int:
+`(Z₀ + HCF·G_imp) θ = (1 + HCF) τ_int`. With separate filters the θ channel carries `F_θ`, i.e. `G_imp F_θ/F`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from flint import fmpq_poly
+
+from .actuator import IDEAL, TwoPort
+from .controller import Compensator, Filters
+from .impedance import DynamicStiffness, inverse_dynamic_compensation
+from .rational import RationalFunction
+
+
+@dataclass(frozen=True)
+class Pencil:
+    """A characteristic polynomial, linear in the compensator: `on_den·C.den + on_num·C.num`."""
+
+    on_den: fmpq_poly
+    on_num: fmpq_poly
+
+    def __call__(self, C: Compensator) -> fmpq_poly:
+        """The polynomial for one compensator."""
+        return self.on_den * C.den + self.on_num * C.num
+
+
+@dataclass(frozen=True)
+class ImpedanceLoop:
+    """Everything around the compensator: actuator, load model, desired impedance and sensor filters."""
+
+    actuator: TwoPort
+    nominal: DynamicStiffness
+    desired: DynamicStiffness
+    filters: Filters = field(default_factory=Filters)
+
+    @property
+    def G_imp(self) -> RationalFunction:
+        """Desired dynamic stiffness as the θ channel sees it: `G_imp·F_θ/F`."""
+        return self.desired.rational * self.filters.ratio
+
+    @property
+    def compensation(self) -> RationalFunction:
+        """`F_d (Ĝ⁻¹ − G_imp)`, (2)."""
+        return self.filters.derivative * inverse_dynamic_compensation(self.nominal, self.desired)
+
+    def Z0(self, load: DynamicStiffness) -> RationalFunction:
+        """`Z₀ = G⁻¹ + Z_a − H F_d (Ĝ⁻¹ − G_imp)`: what the port renders without force feedback."""
+        return load.rational + self.actuator.Z_a - self.actuator.H * self.compensation
+
+    def L(self, C: Compensator) -> RationalFunction:
+        """Loop gain `H C F`."""
+        return self.actuator.H * C.rational * self.filters.force
+
+    def Q_tilde(self, C: Compensator) -> RationalFunction:
+        """`Q̃ = L/(1+L)`; disturbances are attenuated by `1−Q̃`. It does not depend on the load."""
+        L = self.L(C)
+        return L / (1 + L)
+
+    def Q_ideal(self, C: Compensator) -> RationalFunction:
+        """`CF/(1+CF)`: Q̃ behind an ideal actuator; the Q of (9), (12) and (18). Equals Q for an unfiltered DOB."""
+        CF = C.rational * self.filters.force
+        return CF / (1 + CF)
+
+    def Z(self, C: Compensator, load: DynamicStiffness) -> RationalFunction:
+        """Apparent impedance `τ_int/θ`, (★) [N·m/rad]."""
+        X = self.Q_tilde(C)
+        return X * self.G_imp + (1 - X) * self.Z0(load)
+
+    def dynamic_error_gain(self, load: DynamicStiffness) -> RationalFunction:
+        """`N = G G_imp/(1 − G(Ĝ⁻¹ − G_imp))`, (22), ideal actuator: (21) reads `θ/τ_int = G_imp⁻¹ (1+C)N/(1+CN)`."""
+        G = 1 / load.rational
+        return G * self.desired.rational / (1 - G * (self.nominal.rational - self.desired.rational))
+
+    def locked(self) -> Pencil:
+        """Poles against a rigid wall: zeros of `1 + HCF` and the poles of filters that feed the motor."""
+        port, F, rest = self.actuator, self.filters.force, self._filters_beside_force()
+        return Pencil(rest * port.d * F.den, rest * port.h * F.num)
+
+    def free(self, load: DynamicStiffness) -> Pencil:
+        """Poles in free motion: zeros of Z, with every mode of actuator, filters and controller counted."""
+        port, F, F_d = self.actuator, self.filters.force, self.filters.derivative
+        F_theta = self.filters.position or F
+        difference = self.nominal.polynomial - self.desired.polynomial
+        uncontrolled = (port.d * load.polynomial + port.z) * F_d.den - port.h * F_d.num * difference
+        if self.filters.position is None:
+            return Pencil(F.den * uncontrolled, F.num * F_d.den * port.h * self.desired.polynomial)
+        return Pencil(
+            F.den * F_theta.den * uncontrolled, F_theta.num * F.den * F_d.den * port.h * self.desired.polynomial
+        )
+
+    def _filters_beside_force(self) -> fmpq_poly:
+        rest = self.filters.derivative.den
+        return rest if self.filters.position is None else rest * self.filters.position.den
+
+    def with_ideal_actuator(self) -> ImpedanceLoop:
+        """The same loop around `τ_act = τ_d`, for the paper's sections II and III."""
+        return ImpedanceLoop(IDEAL, self.nominal, self.desired, self.filters)

@@ -1,0 +1,330 @@
+"""Claims, each a sandwich: proven at one level, refuted just beyond it at an exact frequency."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import chain
+
+import numpy as np
+from flint import fmpq, fmpq_poly
+
+from ...models.controller import Compensator
+from ...models.rational import RationalFunction, exact, fraction
+from ..problem.constraints import constraints
+from ..problem.constraints.inequality import Constraint, Role, Variable
+from ..problem.grid import Evaluator, grid
+from ..problem.setting import Setting
+from .hurwitz import decay_rate, is_hurwitz
+from .lowering import SumOfRoots, lower
+from .outcome import Interval, Outcome, all_of
+from .positivity import holds
+from .witness import Witness, fails_at, find_witness, short
+
+TIGHTNESS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1)  # how far from the float optimum a level is tried, relative
+LARGEST_FACTOR = 1e6  # margins on W beyond this are not searched for
+
+
+@dataclass(frozen=True)
+class Refutation:
+    """A level at which a claim fails, and where."""
+
+    value: Fraction
+    witness: Witness | None
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement about the exact controller, its status, and how tight it is. interval: (ω low, ω high or None)."""
+
+    id: str
+    equation: str
+    form: str
+    statement: str
+    uncertainty: str
+    interval: tuple[Fraction, Fraction | None]
+    required: bool
+    status: Outcome
+    margin: Fraction | None
+    refuted_at: Refutation | None
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What is being certified: a setting and one exact compensator."""
+
+    setting: Setting
+    compensator: Compensator
+
+    @property
+    def variables(self) -> dict[Variable, RationalFunction]:
+        """Q, Q̃ and L as exact functions of s."""
+        loop, C = self.setting.loop, self.compensator
+        return {Variable.Q: loop.Q_ideal(C), Variable.Q_TILDE: loop.Q_tilde(C), Variable.L: loop.L(C)}
+
+
+def certify(setting: Setting, compensator: Compensator) -> tuple[Claim, ...]:
+    """Every claim of a specification about one compensator, each proven, refuted or undecided."""
+    subject = Subject(setting, compensator)
+    prover = Prover.of(subject)
+    band = prover.bandwidth()
+    claims = [*prover.stability()]
+    for constraint in constraints(setting):
+        if constraint.id == "bandwidth":
+            claims.append(band)
+        elif constraint.on_band:
+            claims.append(prover.claim(replace(constraint, band=band.interval)))
+        elif constraint.largest_band:
+            claims.append(prover.largest_band(constraint))
+        else:
+            claims.append(prover.claim(constraint))
+    return tuple(claims)
+
+
+@dataclass(frozen=True)
+class Prover:
+    """Exact proofs of one subject's constraints; the grid only says where to try."""
+
+    subject: Subject
+    X: dict[Variable, RationalFunction]
+    evaluator: Evaluator
+
+    @classmethod
+    def of(cls, subject: Subject) -> Prover:
+        """Prepare the transfer functions and the grid that suggests levels and witnesses."""
+        X = subject.variables
+        return cls(subject, X, Evaluator(subject.setting, _grid_of(subject, X[Variable.Q_TILDE])))
+
+    def decide(self, constraint: Constraint, v: Fraction) -> Outcome:
+        """Whether a constraint holds at level v on its whole interval."""
+        interval = _squared(constraint.band)
+        outcomes = []
+        for index in range(len(constraint.inequalities)):
+            for lowered in self._lowered(constraint, index, v):
+                outcomes.append(holds(lowered, interval, strict=_strict(constraint)))
+                if outcomes[-1] is Outcome.REFUTED:
+                    return Outcome.REFUTED
+        if constraint.positive_real:
+            outcomes.append(self._ends(constraint))
+        return all_of(outcomes)
+
+    def _lowered(self, constraint: Constraint, index: int, v: Fraction) -> Iterator[SumOfRoots]:
+        inequality = constraint.inequalities[index]
+        return lower(inequality, exact(v), self.X[inequality.variable], self.subject.setting.uncertainty)
+
+    def _ends(self, constraint: Constraint) -> Outcome:
+        """Z/s positive real at its ends: pole at s = 0 with residue Z(0) ≥ 0, pole at ∞ with residue lim Z/s² ≥ 0."""
+        setting = self.subject.setting
+        loads = [q.load or setting.uncertainty.nominal for q in constraint.inequalities]
+        for load in loads:
+            Z = setting.loop.Z(self.subject.compensator, load)
+            at_zero = Z.num[0] / Z.den[0] if Z.den[0] != 0 else fmpq(-1)
+            excess = Z.relative_degree
+            at_infinity = Z.num.leading_coefficient() / Z.den.leading_coefficient()
+            if at_zero < 0 or excess < -2 or (excess == -2 and at_infinity < 0):
+                return Outcome.REFUTED
+        return Outcome.PROVEN
+
+    def witness(self, constraint: Constraint, v: Fraction) -> Witness | None:
+        """An exact point where the constraint fails at level v; the grid's worst frequency is tried first."""
+        _, omega, worst = self.evaluator.worst(constraint, float(v), self.X)
+        order = [worst, *(k for k in range(len(constraint.inequalities)) if k != worst)]
+        for index in order:
+            for lowered in self._lowered(constraint, index, v):
+                found = find_witness(lowered, _squared(constraint.band), (omega,), strict=_strict(constraint))
+                if found is not None:
+                    return found
+        return None
+
+    def claim(self, constraint: Constraint) -> Claim:
+        """Prove at the hardest level found; if the required level cannot be proven, refute it with a witness."""
+        required = constraint.level
+        self = replace(self, evaluator=self.evaluator.with_ends(constraint))
+        best = self._best_level(constraint)
+        harder = constraint.role.harder
+        proven = refuted = None
+        for tightness in TIGHTNESS:
+            v = _moved(best, -harder * tightness, constraint, up=harder < 0)
+            if required is not None and harder * (v - required) < 0:
+                v = required
+            if _meaningful(constraint, v) and self.decide(constraint, v) is Outcome.PROVEN:
+                proven = v
+                break
+            if v == required:
+                break
+        if proven is not None:
+            for tightness in TIGHTNESS:
+                v = _moved(best, harder * tightness, constraint, up=harder > 0)
+                if harder * (v - proven) > 0 and (found := self.witness(constraint, v)):
+                    refuted = Refutation(v, found)
+                    break
+            return _claim(constraint, Outcome.PROVEN, proven, refuted)
+        level = required if required is not None else _easiest(constraint)
+        found = self.witness(constraint, level)
+        if found is None:
+            return _claim(constraint, Outcome.UNDECIDED, None, None)
+        return _claim(constraint, Outcome.REFUTED, None, Refutation(level, found))
+
+    def _best_level(self, constraint: Constraint) -> float:
+        """The level at which the worst slack on the grid is zero, in floats, refined around the worst frequency."""
+        low, high = _level_range(constraint)
+        for _ in range(60):
+            middle = np.sqrt(low * high) if constraint.role is not Role.FLOOR else 0.5 * (low + high)
+            fits = self.evaluator.worst(constraint, middle, self.X)[0] > 0
+            low, high = (middle, high) if fits == (constraint.role.harder > 0) else (low, middle)
+        return float(low if constraint.role.harder > 0 else high)
+
+    def largest_band(self, constraint: Constraint) -> Claim:
+        """Prove a constraint on the widest interval where it holds; refuted everywhere if there is none."""
+        v = float(_easiest(constraint))
+        omega = self.evaluator.omega
+        low, high = float(constraint.band[0]), constraint.band[1]
+        fits = (omega >= low) & (omega <= (np.inf if high is None else float(high)))
+        for inequality in constraint.inequalities:
+            fits &= np.nan_to_num(self.evaluator.slack(inequality, v, self.X), nan=-1.0) > 0
+        for a, b in _runs(fits, omega):
+            for tightness in TIGHTNESS:
+                ends = (short(a * (1 + tightness), up=True), short(b * (1 - tightness), up=False))
+                if ends[0] < ends[1]:
+                    narrowed = replace(constraint, band=ends)
+                    if self.decide(narrowed, Fraction(1)) is Outcome.PROVEN:
+                        return _claim(narrowed, Outcome.PROVEN, Fraction(1), None)
+        found = self.witness(constraint, Fraction(1))
+        status = Outcome.REFUTED if found else Outcome.UNDECIDED
+        return _claim(constraint, status, None, Refutation(Fraction(1), found) if found else None)
+
+    def bandwidth(self) -> Claim:
+        """The largest ω_B up to which every condition of the objective holds."""
+        wanted = [c for c in constraints(self.subject.setting) if c.on_band and c.required]
+        attenuation = next(c for c in wanted if c.id == "bandwidth")
+        first = min(chain.from_iterable(self._failures(c) for c in wanted), default=LARGEST_FACTOR)
+        for tightness in TIGHTNESS:
+            end = short(first * (1 - tightness), digits=8, up=False)
+            band = (Fraction(0), end)
+            if end > 0 and all(
+                self.decide(replace(c, band=band), c.level) is Outcome.PROVEN for c in wanted if c.level is not None
+            ):
+                beyond = self._beyond(wanted, first)
+                return _claim(replace(attenuation, band=band), Outcome.PROVEN, end, beyond)
+        return _claim(
+            replace(attenuation, band=(Fraction(0), Fraction(0))),
+            Outcome.REFUTED,
+            None,
+            Refutation(Fraction(0), Witness(Fraction(0), None)),
+        )
+
+    def _failures(self, constraint: Constraint) -> Iterator[float]:
+        """Frequencies on the grid's refinement at which a band condition first fails."""
+        for inequality in constraint.inequalities:
+            omega = self.evaluator.omega
+            slack = self.evaluator.slack(inequality, float(constraint.level or 0), self.X)
+            failing = np.flatnonzero(slack < 0)
+            if not failing.size:
+                continue
+            k = int(failing[0])
+            a, b = (0.0 if k == 0 else float(omega[k - 1])), float(omega[k])
+            for _ in range(60):
+                middle = 0.5 * (a + b)
+                at = Evaluator(self.subject.setting, np.array([middle]))
+                a, b = (a, middle) if at.slack(inequality, float(constraint.level or 0), self.X)[0] < 0 else (middle, b)
+            yield a
+
+    def _beyond(self, wanted: list[Constraint], first: float) -> Refutation | None:
+        for tightness in TIGHTNESS:
+            end = short(first * (1 + tightness), digits=8, up=True)
+            for c in wanted:
+                for index, inequality in enumerate(c.inequalities):
+                    lowered = self._lowered(c, index, c.level or Fraction(0))
+                    if any(fails_at(one, end, strict=False) for one in lowered):
+                        return Refutation(end, Witness(end, inequality.load))
+        return None
+
+    def stability(self) -> Iterator[Claim]:
+        """Nominal stability free (zeros of Z) and against a rigid wall (zeros of 1+HCF), with the decay rate."""
+        loop, C = self.subject.setting.loop, self.subject.compensator
+        yield _stability("stability-free", "denominator of (8) and (17)", "every mode in free motion", loop.free(loop.nominal)(C))
+        yield _stability("stability-locked", "1 + HCF", "every mode against a rigid wall", loop.locked()(C))
+
+
+def _stability(id: str, equation: str, what: str, p: fmpq_poly) -> Claim:
+    rate = decay_rate(p)
+    levels = [short(rate * (1 - tightness), up=False) for tightness in TIGHTNESS] if rate > 0 else []
+    proven = next((v for v in [*levels, Fraction(0)] if is_hurwitz(p, exact(v))), None)
+    refuted = None
+    if proven is not None:
+        beyond = (short(rate * (1 + tightness), up=True) for tightness in TIGHTNESS)
+        value = next((v for v in beyond if v > proven and not is_hurwitz(p, exact(v))), None)
+        refuted = None if value is None else Refutation(value, None)
+    return Claim(
+        id=id,
+        equation=equation,
+        form="hurwitz",
+        statement=f"{what} decays faster than exp(−v·t), nominal load",
+        uncertainty="none: nominal load",
+        interval=(Fraction(0), None),
+        required=True,
+        status=Outcome.REFUTED if proven is None else Outcome.PROVEN,
+        margin=proven,
+        refuted_at=Refutation(Fraction(0), None) if proven is None else refuted,
+    )
+
+
+def _claim(c: Constraint, status: Outcome, margin: Fraction | None, refuted_at: Refutation | None) -> Claim:
+    return Claim(
+        c.id, c.equation, c.form, c.statement, c.uncertainty, c.band, c.required, status, margin, refuted_at
+    )
+
+
+def _strict(constraint: Constraint) -> bool:
+    return constraint.strict and constraint.role is Role.RADIUS
+
+
+def _squared(band: tuple[Fraction, Fraction | None]) -> Interval:
+    low, high = band
+    return exact(low * low), None if high is None else exact(high * high)
+
+
+def _easiest(constraint: Constraint) -> Fraction:
+    return Fraction(0) if constraint.role is Role.FLOOR else Fraction(1)
+
+
+def _meaningful(constraint: Constraint, v: Fraction) -> bool:
+    return v > 0 if constraint.id == "friction" else constraint.role is Role.FLOOR or v > 0
+
+
+def _level_range(constraint: Constraint) -> tuple[float, float]:
+    if constraint.role is Role.FLOOR:
+        return -1e6, 1e6
+    return 1 / LARGEST_FACTOR, LARGEST_FACTOR
+
+
+def _moved(v: float, by: float, constraint: Constraint, up: bool) -> Fraction:
+    """A short level a little beside v: relative, or for levels that can be zero in absolute terms as well."""
+    step = by * (abs(v) + 1e-4) if constraint.role is Role.FLOOR else by * abs(v)
+    return short(v + step, up=up)
+
+
+def _runs(fits: np.ndarray, omega: np.ndarray) -> list[tuple[float, float]]:
+    """Maximal intervals of the grid on which `fits`, widest first."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], fits, [False]]).astype(int)))
+    runs = [(float(omega[a]), float(omega[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - 1 > a]
+    return sorted(runs, key=lambda run: run[0] - run[1])
+
+
+def _grid_of(subject: Subject, Q_tilde: RationalFunction) -> np.ndarray:
+    """A dense grid, denser around every resonance of the closed loop."""
+    setting = subject.setting
+    coarse = grid(setting, spread=1500)
+    polynomials = [subject.setting.loop.locked()(subject.compensator), Q_tilde.num, Q_tilde.den]
+    polynomials += [setting.loop.free(load)(subject.compensator) for load in setting.uncertainty.corners()]
+    extra = []
+    for p in polynomials:
+        if p.degree() <= 0:
+            continue
+        lead = p.leading_coefficient()
+        for root in np.roots([float(fraction(c / lead)) for c in p.coeffs()[::-1]]):
+            width = max(abs(root.real), 1e-9 * abs(root))
+            extra.append(abs(root.imag) + width * np.linspace(-3, 3, 41))
+    omega = np.concatenate([coarse, *extra]) if extra else coarse
+    return np.unique(omega[(omega > 0) & np.isfinite(omega)])

@@ -1,0 +1,144 @@
+"""Where an inequality fails: an exact frequency and load, and the first frequency at which it does."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from math import isqrt
+
+from flint import arb, ctx, fmpq, fmpq_poly
+
+from ...models.impedance import DynamicStiffness
+from ...models.rational import exact, fraction
+from .bivariate import Bivariate
+from .cells import gap, reversed_sides
+from .lowering import SumOfRoots, strip
+from .outcome import Interval
+from .positivity import obligations
+
+T_SAMPLES = 16
+
+
+@dataclass(frozen=True)
+class Witness:
+    """An exact frequency [rad/s] (None: ∞) and the load, if any, at which a claim fails."""
+
+    omega: Fraction | None
+    load: DynamicStiffness | None
+
+
+def short(value: float, digits: int = 6, up: bool | None = None) -> Fraction:
+    """The decimal with few digits near a float: nearest, or on the side asked for."""
+    if value == 0:
+        return Fraction(0)
+    nearest = Fraction(f"{value:.{digits - 1}e}")
+    unit = Fraction(f"1e{int(f'{value:e}'.split('e')[1]) - digits + 1}")
+    if up is None or (nearest >= Fraction(value)) == up:
+        return nearest
+    return nearest + unit if up else nearest - unit
+
+
+def find_witness(
+    inequality: SumOfRoots, interval: Interval, hints: tuple[float, ...], *, strict: bool
+) -> Witness | None:
+    """A point of the interval where the inequality fails, tried in the order: hints, ends, between exact roots."""
+    inequality = strip(inequality)
+    for t in _places(inequality):
+        for omega in _candidates(inequality, interval, hints, strict):
+            if _violated(inequality, omega, t, strict):
+                return Witness(omega, _load(inequality, t))
+    return None
+
+
+def fails_at(inequality: SumOfRoots, omega: Fraction, *, strict: bool) -> bool:
+    """Whether an inequality fails at one exact frequency, for the first load of its segment."""
+    return _violated(strip(inequality), omega, fmpq(0), strict)
+
+
+def _places(inequality: SumOfRoots) -> list[fmpq]:
+    moving = max(len(p) for p in (*inequality.radicands, inequality.right)) > 1
+    return [fmpq(k, T_SAMPLES) for k in range(T_SAMPLES + 1)] if moving else [fmpq(0)]
+
+
+def _load(inequality: SumOfRoots, t: fmpq) -> DynamicStiffness | None:
+    if inequality.segment is None:
+        return None
+    a, b = inequality.segment
+    return DynamicStiffness(
+        a.inertia + t * (b.inertia - a.inertia),
+        a.damping + t * (b.damping - a.damping),
+        a.stiffness + t * (b.stiffness - a.stiffness),
+    )
+
+
+def _candidates(
+    inequality: SumOfRoots, interval: Interval, hints: tuple[float, ...], strict: bool
+) -> Iterator[Fraction | None]:
+    low, high = interval
+    for hint in hints:
+        omega = short(hint)
+        if low <= exact(omega * omega) and (high is None or exact(omega * omega) <= high):
+            yield omega
+    yield from ((Fraction(0),) if low == 0 else ())
+    yield from ((None,) if high is None else ())
+    if len(inequality.radicands) <= 2:
+        for needed in obligations(inequality, strict=strict):
+            if len(needed.p) == 1:
+                yield from _between_roots(needed.p[0], interval)
+
+
+def _between_roots(p: fmpq_poly, interval: Interval) -> Iterator[Fraction]:
+    """Rational frequencies, one between each two neighbouring real roots of p inside the interval."""
+    low, high = (float(fraction(interval[0])), None if interval[1] is None else float(fraction(interval[1])))
+    if p.degree() <= 0:
+        return
+    roots = [low] + [x for x in real_roots(p) if x > low and (high is None or x < high)]
+    roots.append(high if high is not None else 4 * (roots[-1] or 1.0))
+    for a, b in zip(roots, roots[1:], strict=False):
+        if b > a:
+            yield _rational_sqrt_between(Fraction(a), Fraction(b))
+
+
+def real_roots(p: fmpq_poly) -> list[float]:
+    """Positions of the distinct real roots, increasing: floats to look near, not proofs."""
+    return sorted(float(root.real.mid()) for root, _ in p.numer().complex_roots() if root.imag == 0)
+
+
+def _rational_sqrt_between(a: Fraction, b: Fraction) -> Fraction:
+    """A rational ω with few digits and a < ω² < b."""
+    middle = (a + b) / 2
+    for digits in range(1, 400, 3):
+        scale = 10**digits
+        omega = Fraction(isqrt(int(middle * scale * scale)), scale)
+        if a < omega * omega < b:
+            return omega
+    return Fraction(0)
+
+
+def _violated(inequality: SumOfRoots, omega: Fraction | None, t: fmpq, strict: bool) -> bool:
+    """Exact: the gap's sign, by balls of growing precision; equality fails a strict inequality."""
+    sides = reversed_sides(inequality) if omega is None else inequality
+    x = fmpq(0) if omega is None else exact(omega * omega)
+    precision = ctx.prec
+    try:
+        for ctx.prec in (128, 512, 2048):
+            value = gap(sides, arb(x), arb(t))
+            if value > 0:
+                return False
+            if value < 0:
+                return True
+        return strict and _equal(sides, x, t)
+    finally:
+        ctx.prec = precision
+
+
+def _equal(inequality: SumOfRoots, x: fmpq, t: fmpq) -> bool:
+    """Whether the gap is exactly zero, decided for at most one root against a squared right side."""
+    if len(inequality.radicands) != 1 or not inequality.squared:
+        return False
+    return _exact_value(inequality.radicands[0], x, t) == _exact_value(inequality.right, x, t)
+
+
+def _exact_value(p: Bivariate, x: fmpq, t: fmpq) -> fmpq:
+    return sum((c(x) * t**k for k, c in enumerate(p)), fmpq(0))

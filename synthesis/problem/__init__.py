@@ -1,0 +1,1 @@
+"""`Spec` to constraints and arrays on the frequency grid."""

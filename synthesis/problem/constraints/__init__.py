@@ -1,0 +1,19 @@
+"""One file per constraint of the paper, each stating its equation once. To add one: its file, its test, its line here."""
+
+from __future__ import annotations
+
+from ..setting import Setting
+from .attenuation import bandwidth, peak
+from .eq9 import eq9
+from .eq12 import eq12
+from .eq18 import eq18
+from .friction import friction
+from .inequality import Constraint
+from .rendering import rendering
+
+REGISTRY = (eq9, eq12, eq18, bandwidth, rendering, peak, friction)
+
+
+def constraints(setting: Setting) -> tuple[Constraint, ...]:
+    """Every condition a specification asks for or wants reported."""
+    return tuple(constraint for build in REGISTRY for constraint in build(setting))

@@ -1,0 +1,104 @@
+"""(12), passivity of the port: `Re(Z/jω) ≥ 0`, in three forms.
+
+paper       `|Ĝ(jω−G_imp)| + 2W/(1−W)·|1−Q| < |Ĝ(jω+G_imp)|`: the printed test with its two sides exchanged (printed, it
+            asks `ω Im G_imp < 0` of an exact model, so no passive impedance passes). Ideal actuator. Sufficient.
+disc        exact over the disc: Δ/(1+Δ) lies in the disc of centre c, radius ρ, and `G⁻¹ = Ĝ⁻¹(1 − Δ/(1+Δ))`, so
+            `Re(Z/jω) ≥ Re(Z_nominal/jω) − Re(c(1−Q̃)Ĝ⁻¹/jω) − ρ|(1−Q̃)Ĝ⁻¹/ω|`.
+structured  exact over the box: Z is affine in (I, B, K), so the corners decide; a weight, if any, as a disc on each.
+
+Neither paper nor disc can hold up to ω = ∞ when the inertia is uncertain: their budget falls like 1/ω, the disc does not.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from ....models.impedance import DynamicStiffness
+from ....models.rational import S
+from ..setting import Setting
+from .inequality import ONE_MINUS_X, Affine, Constraint, Gain, Inequality, Role, Source, Term, Variable, X
+
+
+def eq12(setting: Setting) -> tuple[Constraint, ...]:
+    """Passivity in the form asked for; beside it the printed form on the largest band where it holds."""
+    asked = setting.spec.constraints.eq12
+    if asked is None:
+        return ()
+    level = Fraction(1) if asked.form == "paper" else asked.margin
+    band = (Fraction(0), None) if asked.band is None else asked.band
+    if asked.form == "paper":
+        return (_paper(setting, level, band),)
+    both = setting.uncertainty.box is not None and setting.uncertainty.weight is not None
+    passive = _disc(setting, level, band) if asked.form == "disc" else _structured(setting, level, band)
+    return (passive,) if both else (passive, _paper(setting, None, band))
+
+
+def _paper(setting: Setting, level: Fraction | None, band: tuple[Fraction, Fraction | None]) -> Constraint:
+    loop = setting.loop
+    G_imp, nominal = loop.desired.rational, loop.nominal.rational
+    inequality = Inequality(
+        variable=Variable.Q,
+        role=Role.RADIUS,
+        moduli=(Term(Affine.of(S - G_imp)), Term(ONE_MINUS_X * (2 * nominal), Gain.R)),
+        right=Affine.of(S + G_imp),
+        modulus_right=True,
+        source=Source.LUMPED,
+    )
+    return Constraint(
+        id="eq12",
+        equation="(12), sides exchanged",
+        form="paper",
+        statement="|Ĝ(jω−G_imp)| + 2vW/(1−vW)·|1−Q| < |Ĝ(jω+G_imp)|: passive behind an ideal actuator",
+        uncertainty="disc of radius W < 1",
+        inequalities=(inequality,),
+        level=level,
+        band=band,
+        largest_band=level is None,
+    )
+
+
+def _passive(setting: Setting, load: DynamicStiffness, source: Source) -> Inequality:
+    loop = setting.loop
+    residual = ONE_MINUS_X * (load.rational / S)
+    disc = source is not Source.NONE
+    return Inequality(
+        variable=Variable.Q_TILDE,
+        role=Role.FLOOR,
+        moduli=(Term(residual, Gain.RHO),) if disc else (),
+        reals=(Term(Affine.of(0), shift=residual),) if disc else (),
+        right=X * (loop.G_imp / S) + ONE_MINUS_X * (loop.Z0(load) / S),
+        modulus_right=False,
+        source=source,
+        load=load,
+    )
+
+
+def _disc(setting: Setting, level: Fraction, band: tuple[Fraction, Fraction | None]) -> Constraint:
+    return Constraint(
+        id="eq12",
+        equation="(12), exact over the disc",
+        form="disc",
+        statement="Re(Z/jω) ≥ v for every |Δ| ≤ W: passive, with v N·m·s/rad to spare",
+        uncertainty="disc of radius W < 1",
+        inequalities=(_passive(setting, setting.uncertainty.nominal, Source.LUMPED),),
+        level=level,
+        band=band,
+        strict=False,
+        positive_real=band[1] is None,
+    )
+
+
+def _structured(setting: Setting, level: Fraction, band: tuple[Fraction, Fraction | None]) -> Constraint:
+    source = Source.NONE if setting.uncertainty.weight is None else Source.WEIGHT
+    return Constraint(
+        id="eq12",
+        equation="(12), structured",
+        form="structured",
+        statement="Re(Z/jω) ≥ v for every load: passive, with v N·m·s/rad to spare",
+        uncertainty="every load of the box" + ("" if source is Source.NONE else ", each with the disc of the weight"),
+        inequalities=tuple(_passive(setting, load, source) for load in setting.uncertainty.corners()),
+        level=level,
+        band=band,
+        strict=False,
+        positive_real=band[1] is None,
+    )

@@ -1,0 +1,188 @@
+"""The one shape every constraint has, at each frequency:
+
+    Σ gain_i·|a_i + b_i X| + Re(e + f X) + [v]  ≤  [v]·|g + h X|   or   Re(g + h X)
+
+`a, b, e, f, g, h` are exact rational functions of s = jω, X is Q or Q̃, gains depend on the radius W(ω) of Δ, and the
+*level* v enters in one place, named by its role. From this one definition come the margin (NumPy), the cone (cvxpy),
+the NLP expression (CasADi), the proof (exact) and the curve in the report: each walks the same terms.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ....models.impedance import DynamicStiffness
+from ....models.rational import ONE, ZERO, Operand, RationalFunction
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+class Variable(Enum):
+    """What X stands for."""
+
+    Q = "Q"  # Q̃ behind an ideal actuator: the Q of the paper's (9), (12), (18)
+    Q_TILDE = "Q̃"  # complementary sensitivity of the physical loop, (★)
+    L = "L"  # loop gain HCF
+
+
+class Gain(Enum):
+    """Factors made of the radius W of |Δ| ≤ W. `|Δ/(1+Δ)| ≤ R`; more exactly it fills the disc of `centre` and radius RHO."""
+
+    ONE = "1"
+    W = "W"
+    R = "W/(1−W)"
+    RHO = "W/(1−W²)"
+
+    def value(self, W: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The factor on a grid; infinite where W ≥ 1 leaves Δ/(1+Δ) unbounded. W: (n,)."""
+        if self is Gain.ONE:
+            return np.ones_like(W)
+        if self is Gain.W:
+            return W
+        with np.errstate(divide="ignore", invalid="ignore"):
+            value = W / (1 - W) if self is Gain.R else W / (1 - W**2)
+        return np.where(W < 1, value, np.inf)
+
+
+def centre(W: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Centre `−W²/(1−W²)` of the disc that Δ/(1+Δ) fills when |Δ| ≤ W < 1; its radius is RHO. W: (n,)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(W < 1, -(W**2) / (1 - W**2), -np.inf)
+
+
+class Source(Enum):
+    """Which Δ the gains speak of."""
+
+    NONE = "none"
+    WEIGHT = "weight"  # the rational weight alone; the box is handled at its corners
+    LUMPED = "lumped"  # box and weight in one disc, W = W_b + W_w + W_b W_w
+
+
+class Role(Enum):
+    """Where the level v enters, and which way it tightens."""
+
+    RADIUS = "v·W"  # v scales the uncertainty: larger is harder, 1 is required
+    FLOOR = "+ v"  # v is added on the left: larger is harder
+    CEILING = "v·right"  # v scales the right side: larger is easier
+
+    @property
+    def harder(self) -> int:
+        """+1 when raising v tightens the constraint, −1 when it loosens it."""
+        return -1 if self is Role.CEILING else 1
+
+
+@dataclass(frozen=True)
+class Affine:
+    """`constant + slope·X`."""
+
+    constant: RationalFunction
+    slope: RationalFunction
+
+    @classmethod
+    def of(cls, constant: Operand, slope: Operand = ZERO) -> Affine:
+        """From anything a rational function can be made of."""
+        return cls(RationalFunction.lift(constant), RationalFunction.lift(slope))
+
+    def __call__(self, X: RationalFunction) -> RationalFunction:
+        """The exact value for one X(s)."""
+        return self.constant + self.slope * X
+
+    def __add__(self, other: Affine) -> Affine:
+        return Affine(self.constant + other.constant, self.slope + other.slope)
+
+    def __mul__(self, factor: Operand) -> Affine:
+        return Affine(self.constant * factor, self.slope * factor)
+
+
+X = Affine(ZERO, ONE)
+ONE_MINUS_X = Affine(ONE, -ONE)
+
+
+@dataclass(frozen=True)
+class Term:
+    """`gain·|affine + c·shift|` or its real part, c the centre of the disc of Δ/(1+Δ)."""
+
+    affine: Affine
+    gain: Gain = Gain.ONE
+    shift: Affine | None = None
+
+
+@dataclass(frozen=True)
+class Inequality:
+    """One inequality at every frequency of an interval, for one load (a corner) or for none in particular."""
+
+    variable: Variable
+    role: Role
+    right: Affine
+    modulus_right: bool
+    moduli: tuple[Term, ...] = ()
+    reals: tuple[Term, ...] = ()
+    source: Source = Source.NONE
+    load: DynamicStiffness | None = None
+
+    @property
+    def convex(self) -> bool:
+        """Whether the set of X is convex: the right side is a fixed number or a real part."""
+        return not self.modulus_right or self.right.slope == ZERO
+
+    def sides(self, v: Any, W: Any, X: Any, at: Any) -> tuple[Any, Any]:
+        """Left and right side. `at` turns a rational function into its values; X and the results are of that kind.
+
+        Arithmetic only, so the same lines serve NumPy arrays, cvxpy and CasADi expressions: objects that add,
+        multiply and have `abs` and `.real`. Every numeric view of a constraint comes from here.
+        """
+
+        def value(affine: Affine) -> Any:
+            constant, slope = affine.constant, affine.slope
+            if slope == ZERO:
+                return at(constant) + 0 * X
+            return at(constant) + at(slope) * X
+
+        W = v * W if self.role is Role.RADIUS else W
+        left = v if self.role is Role.FLOOR else 0.0
+        for terms, part in ((self.moduli, abs), (self.reals, lambda z: z.real)):
+            for term in terms:
+                inside = value(term.affine)
+                if term.shift is not None:
+                    inside = inside + centre(W) * value(term.shift)
+                left = left + term.gain.value(W) * part(inside)
+        right = abs(value(self.right)) if self.modulus_right else value(self.right).real
+        return left, v * right if self.role is Role.CEILING else right
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """A numbered condition: its inequalities (all must hold) and what is asked of it.
+
+    level: the v that is required, or None when the claim is only reported. band: interval of ω [rad/s], upper end None
+    for infinity; `on_band`: the interval is [0, ω_B], the objective's own; `largest_band`: the largest on which it holds.
+    """
+
+    id: str
+    equation: str
+    form: str
+    statement: str
+    uncertainty: str
+    inequalities: tuple[Inequality, ...]
+    level: Fraction | None
+    band: tuple[Fraction, Fraction | None] = (Fraction(0), None)
+    on_band: bool = False
+    largest_band: bool = False
+    strict: bool = True
+    positive_real: bool = False
+
+    @property
+    def required(self) -> bool:
+        """Whether the specification asks for it."""
+        return self.level is not None
+
+    @property
+    def role(self) -> Role:
+        """Where the level enters; the same in all inequalities."""
+        return self.inequalities[0].role

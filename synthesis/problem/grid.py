@@ -1,0 +1,89 @@
+"""The frequency grid and the values of constraints on it (the grid finds; the proof decides)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...models.rational import RationalFunction
+from .constraints.inequality import Constraint, Inequality, Role, Source, Variable
+from .setting import Setting
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def frequency_scale(setting: Setting) -> tuple[float, float]:
+    """Lowest and highest frequency at which anything in the joint happens [rad/s]."""
+    loop, uncertainty = setting.loop, setting.uncertainty
+    polynomials = [loop.actuator.d, loop.desired.polynomial, loop.nominal.polynomial, loop.free(loop.nominal).on_den]
+    polynomials += [load.polynomial for load in uncertainty.corners()]
+    if uncertainty.weight is not None:
+        polynomials += [uncertainty.weight.num, uncertainty.weight.den]
+    magnitudes = [
+        abs(complex(root)) for p in polynomials if p.degree() > 0 for root in np.roots(_descending(p))
+    ]
+    relevant = [m for m in magnitudes if np.isfinite(m) and m > 0]
+    return (min(relevant), max(relevant)) if relevant else (1.0, 1.0)
+
+
+def _descending(p: Any) -> list[float]:
+    lead = p.leading_coefficient()
+    return [int((c / lead).p) / int((c / lead).q) for c in p.coeffs()[::-1]]
+
+
+def grid(setting: Setting, *, around: float | None = None, spread: int = 100, dense: int = 0) -> NDArray[np.float64]:
+    """Logarithmic grid over everything the joint does, with `dense` extra points within a factor 5 of `around`.
+
+    Returns (n,) [rad/s], increasing, > 0.
+    """
+    low, high = frequency_scale(setting)
+    low, high = (min(low, around), max(high, around)) if around else (low, high)
+    omega = np.geomspace(low / 30, high * 30, spread)
+    if around and dense:
+        omega = np.concatenate([omega, np.geomspace(around / 5, around * 5, dense)])
+    return np.unique(omega)
+
+
+@dataclass(frozen=True)
+class Evaluator:
+    """Values of one inequality's sides on a grid. omega: (n,) [rad/s]."""
+
+    setting: Setting
+    omega: NDArray[np.float64]
+
+    def with_ends(self, constraint: Constraint) -> Evaluator:
+        """The grid with the ends of a constraint's interval on it."""
+        ends = [float(end) for end in constraint.band if end]
+        return Evaluator(self.setting, np.unique(np.concatenate([self.omega, ends])))
+
+    def radius(self, source: Source) -> NDArray[np.float64]:
+        """W(ω) of the Δ an inequality speaks of."""
+        uncertainty = self.setting.uncertainty
+        if source is Source.LUMPED:
+            return uncertainty.radius(self.omega)
+        return uncertainty.weight_radius(self.omega)
+
+    def slack(self, inequality: Inequality, v: float, X: dict[Variable, RationalFunction]) -> NDArray[np.float64]:
+        """Right minus left side, relative to the scale of both at each ω; positive where it holds. Returns (n,)."""
+        at = cache(lambda r: r.at(self.omega))
+        with np.errstate(all="ignore"):
+            left, right = inequality.sides(v, self.radius(inequality.source), at(X[inequality.variable]), at)
+            left = left + 0 * self.omega
+            return (right - left) if inequality.role is Role.FLOOR else (right - left) / (np.abs(right) + np.abs(left))
+
+    def worst(self, constraint: Constraint, v: float, X: dict[Variable, RationalFunction]) -> tuple[float, float, int]:
+        """Smallest slack of a constraint: (slack, ω, index of the inequality)."""
+        low, high = float(constraint.band[0]), constraint.band[1]
+        inside = (self.omega >= low) & (self.omega <= (np.inf if high is None else float(high)))
+        best = (np.inf, float(self.omega[inside][0]) if inside.any() else low, 0)
+        for index, inequality in enumerate(constraint.inequalities):
+            slack = np.where(inside, self.slack(inequality, v, X), np.inf)
+            slack = np.where(np.isnan(slack), -np.inf, slack)
+            k = int(np.argmin(slack))
+            if slack[k] < best[0]:
+                best = (float(slack[k]), float(self.omega[k]), index)
+        return best

@@ -1,0 +1,35 @@
+"""The time domain: physics of (1) and (13), integrated; shares no formula with the certificate."""
+
+from .equations import Compensator, Load, loads
+from .excitation import Excitation, default_frequencies, multisine, step
+from .joint import Joint, Poles, assemble, poles_against_wall
+from .measure import MeasuredImpedance, measure_impedance
+from .response import Response, multisine_response, simulate, step_response
+from .sampled import SampledComparison, sampled_comparison, sampled_step
+from .trials import Trial, Trials, verify
+
+__all__ = [
+    "Compensator",
+    "Excitation",
+    "Joint",
+    "Load",
+    "MeasuredImpedance",
+    "Poles",
+    "Response",
+    "SampledComparison",
+    "Trial",
+    "Trials",
+    "assemble",
+    "default_frequencies",
+    "loads",
+    "measure_impedance",
+    "multisine",
+    "multisine_response",
+    "poles_against_wall",
+    "sampled_comparison",
+    "sampled_step",
+    "simulate",
+    "step",
+    "step_response",
+    "verify",
+]

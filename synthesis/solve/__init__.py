@@ -1,0 +1,1 @@
+"""The bound, the structured controller, the counterexample loop, rounding."""

@@ -1,0 +1,125 @@
+"""The other half of a specification: the controller to find, what it should maximise, and what must be proven."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Literal, cast
+
+from .fields import above, entries, integer, interval, non_negative, polynomials, require, word
+from .model import Constraints, Controller, Eq9, Eq12, Eq18, Filters, Interval, Objective, Polynomials, Uncertainty
+from .tree import Node, Scalar
+from .units import FREQUENCY, RATIO, Mechanics
+
+_ORDERS = {"dob": (2, 8), "dynamic-feedback": (0, 1)}
+_CHOICES = ("order", "form", "coefficients")
+
+
+def controller(node: Node) -> Controller:
+    """A controller to find (`order`, `form`) or one to certify (`coefficients`)."""
+    section = entries(node, ("type",), (*_CHOICES, "filters"))
+    kind = cast(Literal["dob", "dynamic-feedback"], word(section["type"], *_ORDERS))
+    given = [key for key in _CHOICES if key in section]
+    found = " and ".join(given) or "none"
+    require(len(given) == 1, f"expected exactly one of order, form, coefficients; found {found}", node.where)
+    if "form" in section:
+        word(section["form"], "eq23")
+        message = "the form eq23 is a Q-filter, for type: dob; give an order instead"
+        require(kind == "dob", message, section["form"].where)
+    return Controller(
+        type=kind,
+        order=_order(section["order"], kind) if "order" in section else None,
+        form="eq23" if "form" in section else None,
+        coefficients=_given(section["coefficients"], kind) if "coefficients" in section else None,
+        filters=_filters(section["filters"]) if "filters" in section else Filters(),
+    )
+
+
+def objective(node: Node) -> Objective:
+    """Largest bandwidth at a stated attenuation."""
+    section = entries(node, ("maximize", "attenuation"), ("rendering_error",))
+    word(section["maximize"], "bandwidth")
+    attenuation = above(section["attenuation"], 0, RATIO)
+    message = "expected an attenuation between 0 and 1, the part of a disturbance that remains"
+    require(attenuation < 1, message, section["attenuation"].where)
+    rendering = section.get("rendering_error")
+    return Objective(
+        maximize="bandwidth",
+        attenuation=attenuation,
+        rendering_error=above(rendering, 0, RATIO) if rendering else None,
+    )
+
+
+def constraints(node: Node, units: Mechanics, uncertainty: Uncertainty | None) -> Constraints:
+    """What must be proven; `uncertainty` None: it could not be read, and its own error is reported."""
+    section = entries(node, optional=("eq9", "eq12", "eq18", "peak", "friction"), later=("noise",))
+    if "eq9" in section:
+        entries(section["eq9"])
+    friction = word(section["friction"], "report", "require") if "friction" in section else "report"
+    return Constraints(
+        eq9=Eq9() if "eq9" in section else None,
+        eq12=_eq12(section["eq12"], units, uncertainty) if "eq12" in section else None,
+        eq18=_eq18(section["eq18"]) if "eq18" in section else None,
+        peak=above(section["peak"], 1, RATIO) if "peak" in section else None,
+        friction=cast(Literal["report", "require"], friction),
+    )
+
+
+def _order(node: Node, kind: str) -> int:
+    low, high = _ORDERS[kind]
+    what = {"dob": "an order of Q from 2 to 8", "dynamic-feedback": "an order of C_imp of 0 (P) or 1"}[kind]
+    order = integer(node, what)
+    require(low <= order <= high, f"expected {what}; found {order}", node.where)
+    return order
+
+
+def _given(node: Node, kind: str) -> Polynomials:
+    """Q with `Q(∞) ≠ 1` (else `C = Q/(1−Q)` is improper), or C_imp."""
+    given = polynomials(node)
+    biproper = len(given.numerator) == len(given.denominator)
+    looped = kind == "dob" and biproper and given.numerator[0] == given.denominator[0]
+    require(not looped, "expected Q(∞) ≠ 1; found Q(∞) = 1, so that C = Q/(1−Q) is not proper", node.where)
+    return given
+
+
+def _filters(node: Node) -> Filters:
+    section = entries(node, optional=("force", "position", "derivative"))
+    position = section.get("position")
+    unfiltered = isinstance(position, Scalar) and position.text == "none"
+    return Filters(
+        force=_corner(section.get("force")),
+        position="none" if unfiltered else _corner(position),
+        derivative=_corner(section.get("derivative")),
+    )
+
+
+def _corner(node: Node | None) -> Fraction | None:
+    return None if node is None else above(node, 0, FREQUENCY)
+
+
+def _eq12(node: Node, units: Mechanics, uncertainty: Uncertainty | None) -> Eq12:
+    section = entries(node, ("form",), ("band", "margin"))
+    form = cast(Literal["paper", "disc", "structured"], word(section["form"], "paper", "disc", "structured"))
+    both = uncertainty is not None and uncertainty.box is not None and uncertainty.weight is not None
+    message = f"the form {form} takes a box or a weight, not both; write structured, which takes both"
+    require(form == "structured" or not both, message, section["form"].where)
+    margin = section.get("margin")
+    return Eq12(
+        form=form,
+        band=_band(section["band"]) if "band" in section else None,
+        margin=non_negative(margin, units.damping) if margin else Fraction(0),
+    )
+
+
+def _band(node: Node) -> Interval:
+    low, high = interval(node, FREQUENCY)
+    require(low >= 0, "expected a band that begins at 0 or above", node.where)
+    require(low < high, "expected low < high; leave `band` out for the whole axis", node.where)
+    return low, high
+
+
+def _eq18(node: Node) -> Eq18:
+    section = entries(node, ("form", "coupling"))
+    return Eq18(
+        form=cast(Literal["paper", "lumped", "half-plane"], word(section["form"], "paper", "lumped", "half-plane")),
+        coupling=cast(Literal["frozen", "physical"], word(section["coupling"], "frozen", "physical")),
+    )

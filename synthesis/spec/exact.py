@@ -1,0 +1,84 @@
+"""Number text to exact rational numbers and back: no float on the way."""
+
+from __future__ import annotations
+
+import re
+from decimal import Decimal, localcontext
+from fractions import Fraction
+
+MAX_DIGITS = 100  # of a decimal; bounds the work every later station does with the number
+MAX_EXPONENT = 300  # |value| within 1e±300, so that float(value) stays finite wherever floats are used
+MAX_RATIO_DIGITS = 2000  # of p and of q in p/q: the canonical text of any number read here, with its unit, fits
+
+NUMBER = r"[+-]?(?:[0-9]+/[0-9]+|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+_NUMBER = re.compile(NUMBER)
+
+# Text that some YAML reader takes for a number (or for another one) and that is refused here.
+_MISREAD = tuple(
+    (re.compile(pattern, re.IGNORECASE), advice)
+    for pattern, advice in (
+        (r"$", "it is empty: write a number"),
+        (r"(null|~)$", "null is not a number: write the value, or remove the line where the key is optional"),
+        (r"(y|n|yes|no|on|off|true|false)$", "it is a truth word: write a number"),
+        (r"[+-]?\.?(nan|inf|infinity)$", "a number must be finite"),
+        (r"[+-]?[0-9]+_[0-9_]*", "write the digits without underscores"),
+        (r"[+-]?0[xob]", "write the number in decimal digits"),
+        (r"[+-]?[0-9]+:[0-9]", "colons make it a base-60 number to some readers: write a decimal number"),
+        (r"[+-]?[0-9]+,[0-9]", "write the decimal point as a point, and no thousands separator"),
+        (r"[+-]?0[0-9]", "a leading zero makes it octal to some readers: remove it"),
+    )
+)
+
+
+def misread(text: str) -> str | None:
+    """Advice for text that only looks like a number; None: no objection."""
+    return next((advice for pattern, advice in _MISREAD if pattern.match(text)), None)
+
+
+def parse_number(text: str) -> Fraction:
+    """The exact value of a decimal (`0.3`, `-2.5e-3`) or of a ratio of integers (`3/100`).
+
+    Raises:
+        ValueError: with advice for the person who wrote it.
+    """
+    advice = misread(text)
+    if advice:
+        raise ValueError(advice)
+    if not _NUMBER.fullmatch(text):
+        raise ValueError("write a number such as 0.3, 2.5e-3 or 3/100")
+    value = _ratio(text) if "/" in text else _decimal(text)
+    limit = 10**MAX_EXPONENT
+    if value and not Fraction(1, limit) <= abs(value) <= limit:
+        raise ValueError(f"its magnitude must lie between 1e-{MAX_EXPONENT} and 1e{MAX_EXPONENT}")
+    return value
+
+
+def number_text(value: Fraction) -> str:
+    """Canonical text: `p` or `p/q` in lowest terms, q > 1."""
+    return str(value)
+
+
+def decimal_text(value: Fraction) -> str:
+    """Six digits for a reader's eye; never read back."""
+    with localcontext() as context:
+        context.prec = 6
+        return f"{(Decimal(value.numerator) / Decimal(value.denominator)).normalize():g}"
+
+
+def _ratio(text: str) -> Fraction:
+    numerator, denominator = text.split("/")
+    if max(len(numerator), len(denominator)) > MAX_RATIO_DIGITS:
+        raise ValueError(f"at most {MAX_RATIO_DIGITS} digits above and below the stroke")
+    if int(denominator) == 0:
+        raise ValueError("its denominator is zero")
+    return Fraction(int(numerator), int(denominator))
+
+
+def _decimal(text: str) -> Fraction:
+    mantissa, _, exponent = text.lower().partition("e")
+    if len(mantissa) > MAX_DIGITS:
+        raise ValueError(f"at most {MAX_DIGITS} digits")
+    # Judged before any power of ten is built: 1e999999999 must cost nothing.
+    if len(exponent) > 6 or abs(int(exponent or 0)) > MAX_EXPONENT:
+        raise ValueError(f"its exponent must lie between -{MAX_EXPONENT} and {MAX_EXPONENT}")
+    return Fraction(text)

@@ -1,0 +1,167 @@
+"""Readers of one field each: a node of the tree in, a value of the right type out, or an `InputError` at its place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from difflib import get_close_matches
+from fractions import Fraction
+from typing import TypeVar
+
+from ..errors import InputError, Location
+from .exact import decimal_text
+from .model import Interval, Polynomials
+from .tree import Mapping, Node, Scalar, Sequence, joined, shown
+from .units import PLAIN, Dimension, parse_quantity, parse_tolerance
+
+MAX_DEGREE = 60
+
+T = TypeVar("T")
+
+
+def require(condition: bool, message: str, where: Location) -> None:
+    """Refuse the value at `where` unless the condition holds."""
+    if not condition:
+        raise InputError(message, where)
+
+
+def described(node: Node) -> str:
+    """What was found, for the second half of a message."""
+    if isinstance(node, Scalar):
+        return shown(node.text) if node.text else "nothing"
+    return "a list" if isinstance(node, Sequence) else "a section"
+
+
+def is_null(node: Node) -> bool:
+    """Whether the value is the word `null`, which stands for an absent optional key; an empty value does not."""
+    return isinstance(node, Scalar) and node.plain and node.text == "null"
+
+
+def entries(
+    node: Node, required: Iterable[str] = (), optional: Iterable[str] = (), later: Iterable[str] = ()
+) -> dict[str, Node]:
+    """The keys of a section, without the optional ones that are null.
+
+    Args:
+        node: the section.
+        required: keys that must be there.
+        optional: keys that may be there.
+        later: keys of the format that this version cannot prove anything about: refused, never ignored.
+    """
+    if not isinstance(node, Mapping):
+        advice = f"give it the keys {', '.join(required)}" if required else "write {} for one without keys"
+        raise InputError(f"expected a section; found {described(node)}; {advice}", node.where)
+    known = (*required, *optional, *later)
+    found: dict[str, Node] = {}
+    for key, (place, value) in node.entries.items():
+        require(key in known, f"unknown key; {suggestion(key, known)}", place)
+        if key in optional and is_null(value):
+            continue
+        require(key not in later, "this version cannot prove anything about this key yet; remove it to go on", place)
+        found[key] = value
+    for key in required:
+        where = node.where
+        place = Location(where.file, where.line, where.column, joined(where.key, key))
+        require(key in found, "expected this key; it is missing, and it has no default", place)
+    return found
+
+
+def suggestion(text: str, choices: Iterable[str]) -> str:
+    """`did you mean …?`, or the choices where nothing is near."""
+    known = tuple(choices)
+    near = get_close_matches(text[:80], known, n=1)
+    if near:
+        return f"did you mean `{near[0]}`?"
+    return f"expected one of {', '.join(known)}" if known else "this section has no keys; write {}"
+
+
+def word(node: Node, *choices: str) -> str:
+    """One of the words in `choices`."""
+    if not isinstance(node, Scalar) or node.text not in choices:
+        near = suggestion(node.text, choices) if isinstance(node, Scalar) and node.text else ""
+        hint = f"; {near}" if near.startswith("did") else ""
+        raise InputError(f"expected {' or '.join(choices)}; found {described(node)}{hint}", node.where)
+    return node.text
+
+
+def quantity(node: Node, dimension: Dimension = PLAIN) -> Fraction:
+    """A number in SI, with or without a unit."""
+    expected = f"expected {dimension.name}"
+    if not isinstance(node, Scalar):
+        raise InputError(f"{expected}; found {described(node)}; write one number", node.where)
+    return _parsed(node, expected, lambda text: parse_quantity(text, dimension))
+
+
+def integer(node: Node, what: str) -> int:
+    """A whole number."""
+    if not isinstance(node, Scalar):
+        raise InputError(f"expected {what}; found {described(node)}", node.where)
+    value = _parsed(node, f"expected {what}", lambda text: parse_quantity(text, PLAIN))
+    require(value.denominator == 1, f"expected {what}; found {shown(node.text)}", node.where)
+    return int(value)
+
+
+def above(node: Node, bound: int, dimension: Dimension = PLAIN) -> Fraction:
+    """A quantity > bound."""
+    value = quantity(node, dimension)
+    require(value > bound, f"expected {dimension.name} > {bound}; found {described(node)}", node.where)
+    return value
+
+
+def non_negative(node: Node, dimension: Dimension = PLAIN) -> Fraction:
+    """A quantity ≥ 0."""
+    value = quantity(node, dimension)
+    require(value >= 0, f"expected {dimension.name} ≥ 0; found {described(node)}", node.where)
+    return value
+
+
+def interval(node: Node, dimension: Dimension) -> Interval:
+    """A list `[low, high]` of two quantities, low ≤ high."""
+    if not isinstance(node, Sequence) or len(node.items) != 2:
+        found = f"a list of {len(node.items)}" if isinstance(node, Sequence) else described(node)
+        raise InputError(f"expected a list [low, high]; found {found}", node.where)
+    low, high = (quantity(item, dimension) for item in node.items)
+    require(
+        low <= high, f"expected low ≤ high; found [{decimal_text(low)}, {decimal_text(high)}]; swap them", node.where
+    )
+    return low, high
+
+
+def tolerance(node: Node) -> Fraction | None:
+    """p where the value reads `±p %`, as a fraction of one; None where it reads otherwise."""
+    if not isinstance(node, Scalar):
+        return None
+    return _parsed(node, 'expected a tolerance such as "±20 %"', parse_tolerance)
+
+
+def polynomials(node: Node) -> Polynomials:
+    """A proper rational function, descending powers of s; leading zeros of the numerator are dropped."""
+    section = entries(node, ("numerator", "denominator"))
+    numerator, denominator = (_coefficients(section[key]) for key in ("numerator", "denominator"))
+    top, bottom = section["numerator"].where, section["denominator"].where
+    require(any(denominator), "expected a denominator; every coefficient is zero", bottom)
+    require(denominator[0] != 0, "expected a non-zero leading coefficient; found 0; leave it out", bottom)
+    require(any(numerator), "expected a numerator; every coefficient is zero", top)
+    while numerator[0] == 0:
+        numerator = numerator[1:]
+    message = "expected a proper rational function; found a numerator of higher degree than the denominator"
+    require(len(numerator) <= len(denominator), message, top)
+    return Polynomials(numerator=numerator, denominator=denominator)
+
+
+def _coefficients(node: Node) -> tuple[Fraction, ...]:
+    if not isinstance(node, Sequence) or not node.items:
+        found = "an empty list" if isinstance(node, Sequence) else described(node)
+        raise InputError(f"expected a list of coefficients, descending powers of s; found {found}", node.where)
+    require(
+        len(node.items) <= MAX_DEGREE + 1,
+        f"expected a degree of at most {MAX_DEGREE}; found {len(node.items) - 1}",
+        node.where,
+    )
+    return tuple(quantity(item) for item in node.items)
+
+
+def _parsed(node: Scalar, expected: str, parse: Callable[[str], T]) -> T:
+    try:
+        return parse(node.text)
+    except ValueError as error:
+        raise InputError(f"{expected}; found {described(node)}: {error}", node.where) from None

@@ -1,0 +1,119 @@
+"""A specification file to `Spec`."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal, TypeVar, cast
+
+from ..errors import InputError, Location
+from . import demands, joint
+from .fields import described, entries, integer, require, word
+from .model import Spec
+from .reader import MAX_BYTES, read_tree
+from .tree import Mapping, Node, Scalar
+from .units import MECHANICS
+
+_REQUIRED = tuple(Spec.model_fields)  # no section has a default
+
+T = TypeVar("T")
+
+
+def load_spec(path: Path) -> Spec:
+    """The specification in a YAML file.
+
+    Raises:
+        InputError: file, line, column and key of the first fault, what was expected, what was found, what to do.
+    """
+    where = Location(str(path))
+    try:
+        # A pipe or a device would be read for ever.
+        require(path.is_file() or not path.exists(), "expected a specification file; this is no regular file", where)
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        raise InputError(f"the file cannot be read: {reason}", where) from None
+    return parse_spec(data, str(path))
+
+
+def parse_spec(text: str | bytes, file: str = "<string>") -> Spec:
+    """The specification in a YAML text; `file` names it in errors.
+
+    Raises:
+        InputError: see `load_spec`.
+    """
+    data = text.encode("utf-8", "surrogatepass") if isinstance(text, str) else text
+    return build_spec(read_tree(data, file))
+
+
+def build_spec(root: Node) -> Spec:
+    """The specification that a tree of text describes; of several faults, the one that stands first in the file."""
+    section = _top(root)
+    sections = _Sections()
+    read = sections.read
+    name = read(lambda: _name(section["name"]))
+    motion = read(lambda: cast(Literal["rotary", "linear"], word(section["motion"], *MECHANICS)))
+    units = MECHANICS[motion or "rotary"]
+    plant = read(lambda: joint.plant(section["plant"], units))
+    actuator = read(lambda: joint.actuator(section["actuator"], units))
+    uncertainty = read(lambda: joint.uncertainty(section["uncertainty"], units, plant)) if plant else None
+    impedance = read(lambda: joint.impedance(section["impedance"], units, plant)) if plant else None
+    controller = read(lambda: demands.controller(section["controller"]))
+    objective = read(lambda: demands.objective(section["objective"]))
+    constraints = read(lambda: demands.constraints(section["constraints"], units, uncertainty))
+    sections.raise_first()
+    return Spec.model_validate(
+        {
+            "robimp": 1,
+            "name": name,
+            "motion": motion,
+            "plant": plant,
+            "uncertainty": uncertainty,
+            "actuator": actuator,
+            "impedance": impedance,
+            "controller": controller,
+            "objective": objective,
+            "constraints": constraints,
+        }
+    )
+
+
+class _Sections:
+    """Reads section after section, keeping the fault of each."""
+
+    def __init__(self) -> None:
+        self.faults: list[InputError] = []
+
+    def read(self, build: Callable[[], T]) -> T | None:
+        try:
+            return build()
+        except InputError as fault:
+            self.faults.append(fault)
+            return None
+
+    def raise_first(self) -> None:
+        def position(fault: InputError) -> tuple[int, int]:
+            place = fault.location
+            return (place.line or 0, place.column or 0) if place else (0, 0)
+
+        if self.faults:
+            raise min(self.faults, key=position)
+
+
+def _top(root: Node) -> dict[str, Node]:
+    # The version comes first: the keys of a later format are not misspelt keys of this one.
+    if isinstance(root, Mapping) and "robimp" in root.entries:
+        version = root.entries["robimp"][1]
+        found = integer(version, "the format version 1")
+        require(found == 1, f"expected format version 1; found {found}; this release reads no other", version.where)
+    return entries(root, _REQUIRED, later=("sampling",))
+
+
+def _name(node: Node) -> str:
+    # It becomes the name of the output folder.
+    valid = isinstance(node, Scalar) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", node.text)
+    rule = "1 to 64 letters, digits, dots, dashes or underscores, the first a letter or digit"
+    require(bool(valid), f"expected a name of {rule}; found {described(node)}", node.where)
+    return cast(Scalar, node).text

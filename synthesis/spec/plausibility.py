@@ -1,0 +1,62 @@
+"""What is allowed but unlikely to be meant: warnings, each with its remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from decimal import Decimal
+from fractions import Fraction
+
+from .exact import decimal_text
+from .model import SeriesElasticActuator, Spec
+from .units import TWO_PI
+
+_SLOWEST, _FASTEST = Fraction("0.05"), Fraction(500)  # Hz; joints of robots resonate in between
+
+
+def spec_warnings(spec: Spec) -> tuple[str, ...]:
+    """One line each, in the order of the file; empty for a specification that looks as usual."""
+    return (*_resonances(spec), *_spring(spec), *_filters(spec), *_disc_band(spec))
+
+
+def _resonances(spec: Spec) -> Iterator[str]:
+    """`√(K/I)/2π` of the load against its spring and against its impedance: far off, a unit is likely wrong."""
+    stiffnesses = {"impedance.stiffness": spec.impedance.stiffness}
+    if isinstance(spec.actuator, SeriesElasticActuator):
+        stiffnesses["actuator.spring_stiffness"] = spec.actuator.spring_stiffness
+    for key, stiffness in stiffnesses.items():
+        squared = stiffness / spec.plant.inertia / TWO_PI**2
+        if stiffness and not _SLOWEST**2 <= squared <= _FASTEST**2:
+            hertz = (Decimal(squared.numerator) / Decimal(squared.denominator)).sqrt()
+            yield (
+                f"{key} on plant.inertia resonates at {hertz:.3g} Hz, outside 0.05 to 500 Hz: "
+                f"check the units of both, and `motion: {spec.motion}`"
+            )
+
+
+def _spring(spec: Spec) -> Iterator[str]:
+    actuator, stiffness = spec.actuator, spec.impedance.stiffness
+    if isinstance(actuator, SeriesElasticActuator) and stiffness > actuator.spring_stiffness:
+        yield (
+            f"impedance.stiffness {decimal_text(stiffness)} exceeds actuator.spring_stiffness "
+            f"{decimal_text(actuator.spring_stiffness)}: passivity leaves almost no bandwidth there"
+        )
+
+
+def _filters(spec: Spec) -> Iterator[str]:
+    force, position = spec.controller.filters.force, spec.controller.filters.position
+    if position is not None and (None if position == "none" else position) != force:
+        yield (
+            "controller.filters.position differs from controller.filters.force: equal filters render better; "
+            "leave `position` out to have one filter on both"
+        )
+
+
+def _disc_band(spec: Spec) -> Iterator[str]:
+    """Near ω = ∞ the budget of (12) falls like 1/ω while the disc of an uncertain inertia keeps its size."""
+    eq12, box = spec.constraints.eq12, spec.uncertainty.box
+    unbounded = eq12 is not None and eq12.form != "structured" and eq12.band is None
+    if unbounded and box is not None and box.inertia[0] < box.inertia[1]:
+        yield (
+            "constraints.eq12 in the forms paper and disc cannot hold up to ω = ∞ with an uncertain inertia: "
+            "give a `band`, or write `form: structured`"
+        )
