@@ -83,6 +83,33 @@ def certify(setting: Setting, compensator: Compensator) -> tuple[Claim, ...]:
 
 
 @dataclass(frozen=True)
+class Counterexample:
+    """Where a required claim fails, for the search: a frequency [rad/s], and whether it is the objective's own band."""
+
+    id: str
+    omega: float
+    on_band: bool
+
+
+def counterexamples(setting: Setting, compensator: Compensator, omega_B: float) -> tuple[Counterexample, ...]:
+    """Where the required claims, the objective's up to omega_B, cannot be proven; () when all are.
+
+    A claim that fails without a frequency (stability, an undecided proof) counts at ω = ∞.
+    """
+    prover = Prover.of(Subject(setting, compensator))
+    found = [Counterexample(c.id, np.inf, False) for c in prover.stability() if c.status is not Outcome.PROVEN]
+    for constraint in constraints(setting):
+        if constraint.level is None:
+            continue
+        if constraint.on_band:
+            constraint = replace(constraint, band=(Fraction(0), short(omega_B, up=False)))
+        if prover.decide(constraint, constraint.level) is not Outcome.PROVEN:
+            for omega in prover.failing(constraint, constraint.level):
+                found.append(Counterexample(constraint.id, omega, constraint.on_band))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
 class Prover:
     """Exact proofs of one subject's constraints; the grid only says where to try."""
 
@@ -136,6 +163,22 @@ class Prover:
                 if found is not None:
                     return found
         return None
+
+    def failing(self, constraint: Constraint, v: Fraction) -> tuple[float, ...]:
+        """Frequencies where a constraint fails worst: each local minimum of its slack on the grid, or the witness."""
+        evaluator = self.evaluator.with_ends(constraint)
+        low, high = float(constraint.band[0]), constraint.band[1]
+        inside = (evaluator.omega >= low) & (evaluator.omega <= (np.inf if high is None else float(high)))
+        found: list[float] = []
+        for inequality in constraint.inequalities:
+            slack = np.where(inside, evaluator.slack(inequality, float(v), self.X), np.inf)
+            padded = np.concatenate([[np.inf], slack, [np.inf]])
+            lowest = (slack < 0) & (slack <= padded[:-2]) & (slack <= padded[2:])
+            found += [float(omega) for omega in evaluator.omega[lowest]]
+        if not found:
+            witness = self.witness(constraint, v)
+            found = [np.inf if witness is None or witness.omega is None else float(witness.omega)]
+        return tuple(found)
 
     def claim(self, constraint: Constraint) -> Claim:
         """Prove at the hardest level found; if the required level cannot be proven, refute it with a witness."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import gcd
 
 from .outcome import Clock
-from .polynomials import Poly, mobius, primitive
+from .polynomials import Poly, mobius
 
 
 def decays_faster(p: Poly, rate: Fraction, clock: Clock) -> bool:
@@ -28,10 +29,6 @@ def decays_faster(p: Poly, rate: Fraction, clock: Clock) -> bool:
             return False
         padded = [*lower, *[0] * (len(upper) - len(lower))]
         following = [lower[0] * upper[k] - upper[0] * padded[k] for k in range(1, len(upper))]
-        upper, lower = lower, primitive_row(following)
+        common = gcd(*following) or 1
+        upper, lower = lower, [entry // common for entry in following]
     return True
-
-
-def primitive_row(row: list[int]) -> list[int]:
-    """The row over its gcd; a row of zeros stays, so that its first entry fails the test."""
-    return primitive(row) + [0] * (len(row) - len(primitive(row))) if any(row) else row

@@ -15,7 +15,7 @@ Load = tuple[Fraction, Fraction, Fraction]  # I, B, K
 
 @dataclass(frozen=True)
 class Joint:
-    """`Z(g) = (E g + M)/locked`, `1 − Q̃ = E/locked`, and the same with an ideal actuator: `1 − Q_i = E_i/D_i`, `U = U_n/D_i`.
+    """`Z(g) = (E g + M)/locked`, `1 − Q̃ = E/locked`; with an ideal actuator `1 − Q_i = E_i/D_i`, `U = U_n/D_i`.
 
     E g + M is the characteristic polynomial in free motion, locked the one against a wall.
     """
@@ -147,8 +147,7 @@ def _box(
         if not lo <= value <= hi:
             raise UnreadableError(f"spec.uncertainty.box.{key}: does not contain the nominal value")
     (I_lo, I_hi), (B_lo, B_hi), (K_lo, K_hi) = box
-    ends = ((I_hi, K_lo), (I_lo, K_hi))
-    corners = tuple(sorted({(I, B, K) for I, K in ends for B in (B_lo, B_hi)}))
+    corners = tuple({(*end, B, K): None for end, K in (((I_hi,), K_lo), ((I_lo,), K_hi)) for B in (B_lo, B_hi)})
     edge = ((I_hi, B_lo, K_lo), (I_lo, B_lo, K_hi)) if K_hi > 0 else None
     return corners, edge, box
 

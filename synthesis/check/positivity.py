@@ -1,18 +1,21 @@
-"""Exact positivity of polynomials and of `Σ √a_i < √b` on an interval: Bernstein subdivision, squares, common factors."""
+"""Exact positivity of polynomials and of `Σ √a_i < √b` on an interval: Bernstein cells, squares, common factors."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from math import comb, isqrt, lcm, prod
+from operator import mul
 from typing import Literal
 
 from .outcome import Clock
-from .polynomials import Poly, common_divisor, derivative, mobius, primitive, product, quotient, size
+from .polynomials import ZERO, Poly, common_divisor, derivative, mobius, primitive, product, quotient, size
 
 Point = tuple[int, int]  # x = p/q with q >= 0; (1, 0) is infinity
 Row = list[int]  # coefficients in x with a formal degree, or Bernstein coefficients on a cell
+Group = list[Row]  # rows over t (one, or three) of one polynomial
+Cell = tuple[list[Group], Point, Point, int]
 
 SHALLOW, DEEP = 24, 4000  # depth at which repeated roots are looked for; depth that is never exceeded
 CELLS = 40_000
@@ -31,14 +34,14 @@ class Inequality:
     """`Σ √terms < √bound` (strict) or `≤`, polynomials in x = ω² that are ≥ 0 wherever a root of them is meant.
 
     Each entry has one row, or three: then it is `r0(x)(1−t)² + 2 r1(x) t(1−t) + r2(x) t²`, wanted for all t in [0, 1].
-    Without terms the inequality is `0 < bound` (or `0 ≤ bound`), and `over` is what the bound was multiplied by: it only
-    matters at 0 and ∞, where the leading coefficients are compared.
+    Without terms the inequality is `0 < bound` (or `0 ≤ bound`), and `over` is what the bound was multiplied by: it
+    only matters at 0 and ∞, where the leading coefficients are compared.
     """
 
     terms: tuple[tuple[Poly, ...], ...]
     bound: tuple[Poly, ...]
     strict: bool
-    over: Poly = Poly(())
+    over: Poly = ZERO
 
     def integers(self) -> tuple[list[list[Row]], list[Row]]:
         """Integer coefficients over one denominator, common powers of x removed, padded to one formal degree."""
@@ -73,8 +76,6 @@ def holds_at(inequality: Inequality, x: Point) -> bool | None:
     if len(a) <= 2:
         conditions = [c[0] for c in _conditions([[u] for u in a], [b])]
         return all(c > 0 or (c == 0 and not inequality.strict) for c in conditions)
-    if b < 0:
-        return False
     for bits in (0, 128, 1024, 8192):
         lower = sum(isqrt(u << bits) for u in a)
         if (lower + len(a)) ** 2 < b << bits:
@@ -108,16 +109,16 @@ def positive(p: Row, lo: Point, hi: Point, strict: bool, clock: Clock) -> Result
     """
     if not any(p):
         return Result("refuted", lo) if strict else Result("proven")
-    result = _subdivide(p, lo, hi, strict, SHALLOW, clock)
+    result = _cover([], [p], lo, hi, clock, strict=strict, depth=SHALLOW)
     if result.status != "undecided":
         return result
     whole = primitive(p)
     repeated = common_divisor(whole, derivative(whole))
     if len(repeated) == 1:
-        return _subdivide(p, lo, hi, strict, DEEP, clock)
+        return _cover([], [p], lo, hi, clock, strict=strict)
     part = quotient(whole, repeated) if strict else _odd_part(whole, repeated)
     sign = value(part, lo) if strict else part[-1] * whole[-1]
-    return _subdivide(part if sign > 0 else [-a for a in part], lo, hi, strict, DEEP, clock)
+    return _cover([], [part if sign > 0 else [-a for a in part]], lo, hi, clock, strict=strict)
 
 
 def _odd_part(p: Row, repeated: Row) -> Row:
@@ -131,27 +132,6 @@ def _odd_part(p: Row, repeated: Row) -> Row:
     return odd
 
 
-def _subdivide(p: Row, lo: Point, hi: Point, strict: bool, depth: int, clock: Clock) -> Result:
-    """Bernstein coefficients ≥ 0 prove a cell (with ends > 0 if strict), a bad end refutes, otherwise halve."""
-    lo, hi = _aligned(lo, hi, p)
-    cells = [(bernstein(p, lo, hi), lo, hi, 0)]
-    for _ in range(CELLS):
-        clock.tick()
-        b, left, right, level = cells.pop()
-        for end, at in ((b[0], left), (b[-1], right)):
-            if end < 0 or (strict and end == 0):
-                return Result("refuted", at)
-        if min(b) < 0:
-            if level == depth:
-                return Result("undecided")
-            first, second = halve(b)
-            left, middle, right = _middle(left, right)
-            cells += [(second, middle, right, level + 1), (first, left, middle, level + 1)]
-        if not cells:
-            return Result("proven")
-    return Result("undecided")
-
-
 def _aligned(lo: Point, hi: Point, p: Row) -> tuple[Point, Point]:
     """Homogeneous coordinates whose sum is a sensible middle: the mean, or the scale of p's roots towards infinity."""
     if hi[1]:
@@ -160,12 +140,6 @@ def _aligned(lo: Point, hi: Point, p: Row) -> tuple[Point, Point]:
     scale = (p[low].bit_length() - p[top].bit_length()) // (top - low) if top > low else 0
     scale = max(-300, min(300, scale))
     return (lo[0] << max(-scale, 0), lo[1] << max(-scale, 0)), (lo[1] << max(scale, 0), 0)
-
-
-def _middle(left: Point, right: Point) -> tuple[Point, Point, Point]:
-    """The ends and the middle of a cell in coordinates that keep halving consistent."""
-    middle = (left[0] + right[0], left[1] + right[1])
-    return (2 * left[0], 2 * left[1]), middle, (2 * right[0], 2 * right[1])
 
 
 def bernstein(p: Row, lo: Point, hi: Point) -> Row:
@@ -180,21 +154,20 @@ def halve(b: Row) -> tuple[Row, Row]:
     n = len(b) - 1
     first, second, row = [b[0] << n], [b[-1] << n], b
     for k in range(1, n + 1):
-        row = [u + w for u, w in zip(row, row[1:], strict=False)]
+        row = [u + w for u, w in pairwise(row)]
         first.append(row[0] << (n - k))
         second.append(row[-1] << (n - k))
     return first, second[::-1]
 
 
-Group = list[Row]  # Bernstein rows over t (one, or three) of one polynomial on a cell
-Cell = tuple[list[Group], Point, Point, int]
-
-
-def _cover(terms: list[list[Row]], bound: list[Row], lo: Point, hi: Point, clock: Clock) -> Result:
+def _cover(
+    terms: list[Group], bound: Group, lo: Point, hi: Point, clock: Clock, *, strict: bool = True, depth: int = DEEP
+) -> Result:
     """`Σ √a_i < √b` on cells in x (and t): by Cauchy-Schwarz it follows from `b·Πw > Σ a_i Σw Πw/w_i`, any w_i > 0.
 
     With w_i in proportion to √a_i the two are equivalent, so weights from the cell's mean values prove any strict
-    inequality on small enough cells. A cell's corner where it fails refutes.
+    inequality on small enough cells: there all Bernstein coefficients are ≥ 0 (at the corners > 0 if strict). A corner
+    where the inequality itself fails refutes.
     """
     lo, hi = _aligned(lo, hi, bound[-1])
     cells: list[Cell] = [([[bernstein(row, lo, hi) for row in group] for group in (*terms, bound)], lo, hi, 0)]
@@ -202,11 +175,12 @@ def _cover(terms: list[list[Row]], bound: list[Row], lo: Point, hi: Point, clock
         clock.tick()
         groups, left, right, level = cells.pop()
         for end, at in ((0, left), (-1, right)):
-            if any(_fails([group[row][end] for group in groups]) for row in (0, -1)):
+            if any(_fails([group[row][end] for group in groups], strict) for row in (0, -1)):
                 return Result("refuted", at)
         slack = _slack(groups)
-        if any(min(row) <= 0 for row in slack):
-            if level == DEEP:
+        corners = min(row[end] for row in (slack[0], slack[-1]) for end in (0, -1))
+        if min(map(min, slack)) < 0 or (strict and corners == 0):
+            if level == depth:
                 return Result("undecided")
             cells += _split(groups, slack, left, right, level + 1)
         if not cells:
@@ -217,20 +191,21 @@ def _cover(terms: list[list[Row]], bound: list[Row], lo: Point, hi: Point, clock
 def _slack(groups: list[Group]) -> Group:
     """Bernstein rows of `b·Πw − Σ a_i Σw Πw/w_i`."""
     *terms, bound = groups
+    if not terms:
+        return bound
     roots = [isqrt(max(sum(map(sum, term)), 0)) for term in terms]
     excess = max(size(roots) - 24, 0)
     weights = [(root >> excess) + 1 for root in roots]
     whole, total = prod(weights), sum(weights)
     factors = [-total * (whole // w) for w in weights]
-    return [
-        [whole * b + sum(f * a for f, a in zip(factors, column, strict=True)) for b, *column in zip(*rows, strict=True)]
-        for rows in zip(bound, *terms, strict=True)
-    ]
+    columns = [zip(*rows, strict=True) for rows in zip(bound, *terms, strict=True)]
+    return [[whole * b + sum(map(mul, factors, a)) for b, *a in column] for column in columns]
 
 
-def _fails(values: list[int]) -> bool:
-    """Whether `Σ √a_i ≥ √b` for certain (roots rounded down)."""
-    return sum(isqrt(a << 128) for a in values[:-1]) ** 2 >= values[-1] << 128
+def _fails(values: list[int], strict: bool) -> bool:
+    """Whether `Σ √a_i < √b` is false for certain (roots rounded down)."""
+    *a, b = values
+    return sum(isqrt(u << 128) for u in a) ** 2 >= b << 128 if a else b < strict
 
 
 def _split(groups: list[Group], slack: Group, left: Point, right: Point, level: int) -> list[Cell]:
@@ -243,7 +218,8 @@ def _split(groups: list[Group], slack: Group, left: Point, right: Point, level: 
         return [(half, left, right, level) for half in halves]
     rows = [[halve(row) for row in group] for group in groups]
     first, second = ([[pair[k] for pair in group] for group in rows] for k in (0, 1))
-    left, middle, right = _middle(left, right)
+    middle = (left[0] + right[0], left[1] + right[1])
+    left, right = (2 * left[0], 2 * left[1]), (2 * right[0], 2 * right[1])  # the scale that the middle has
     return [(second, middle, right, level), (first, left, middle, level)]
 
 

@@ -1,4 +1,4 @@
-"""What each claim says, as inequalities in x = ω² and facts: one function per claim id, all from the format's formulas."""
+"""What each claim says, as inequalities in x = ω² and facts: one function per claim id."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def _segment(p: Poly, q: Poly) -> Rows:
 
 
 def _small_gain(q: Query, a: Poly, b: Poly, p: Poly = ZERO) -> Parts:
-    """`|p| + v W |a| < |b|` with the lumped radius `W = W_b + W_w + W_b W_w`, `W_b = |ĝ−g|/|g|`, multiplied by |g| |d_w|."""
+    """`|p| + v W |a| < |b|`, `W = W_b + W_w + W_b W_w`, `W_b = |ĝ−g|/|g|`, multiplied by |g| |d_w|."""
     a2, b2, p2 = q.v2 * norm2(a), norm2(b), norm2(p)
     n_w, d_w = q.joint.weight or (ZERO, ONE)
     for gap, size in _ratios(q):
@@ -132,8 +132,8 @@ def eq12(q: Query) -> Parts:
 def _paper(q: Query) -> Parts:
     """`|s−m| + 2 r |(1−Q_i) ĝ| < |s+m|`, r = W'/(1−W'), W' = vW.
 
-    `|s+m| − |s−m| = 4 B_imp x/(|s+m| + |s−m|)` (x = ω²) turns it into `W' (|h||s+m| + |h||s−m| + 2 B_imp x) < 2 B_imp x`,
-    h = (1−Q_i) ĝ.
+    By `|s+m| − |s−m| = 4 B_imp x/(|s+m| + |s−m|)`, x = ω², it is `W' (|h||s+m| + |h||s−m| + 2 B_imp x) < 2 B_imp x`
+    with h = (1−Q_i) ĝ.
     """
     j, s = q.joint, Poly.of(0, 1)
     h2, D2 = norm2(j.E_i * j.nominal), norm2(j.D_i)
@@ -146,7 +146,7 @@ def _paper(q: Query) -> Parts:
 
 
 def _passive(q: Query, g: Poly, over: Poly, gap: Poly, size: Poly, strict: bool = False) -> Parts:
-    """`Re[N/(D s)] − ρ|E g/(D s)| − Re[c E g/(D s)] ≥ v`, N = E g + M, D = over, V² = gap/size < 1, times |D|²(size − gap)."""
+    """`Re[N/Ds] − ρ|E g/Ds| − Re[c E g/Ds] ≥ v`, N = E g + M, D = over, V² = gap/size < 1, times |D|²(size − gap)."""
     D, Y = OnAxis.of(over), OnAxis.of(q.joint.E * g)
     D2, rest = D.norm2(), size - gap
     margin = (OnAxis.of(q.joint.free(g)).cross(D) - Poly.of(q.v) * D2) * rest + gap * Y.cross(D)
@@ -172,7 +172,7 @@ def _structured(q: Query) -> Parts:
 
 
 def _port_ends(q: Query) -> Parts:
-    """On 0..inf: Z(0) finite and ≥ 0, and Z/s² → a limit ≥ 0 at infinity, so that the poles of Z/s there are passive."""
+    """On 0..inf: Z(0) finite and ≥ 0, and Z/s² → a limit ≥ 0 at infinity, so Z/s has passive poles there."""
     if not q.ends:
         return
     D = q.joint.locked.c
@@ -233,7 +233,7 @@ def rendering(q: Query) -> Parts:
 
 
 def friction(q: Query) -> Parts:
-    """`Re[(L R m + Z_0(g))/s] − ρ|g/s| − Re[c g/s] ≥ v` for every load: `L R m + Z_0 = (E g + M)/E`; strict at v = 0."""
+    """`Re[(L R m + Z_0(g))/s] − ρ|g/s| − Re[c g/s] ≥ v`, every load: `L R m + Z_0 = (E g + M)/E`; strict at v = 0."""
     gap, size = q.joint.weight or (ZERO, ONE)
     for load in q.loads():
         yield from _passive(q, stiffness(load), q.joint.E, gap, size, strict=q.v == 0)

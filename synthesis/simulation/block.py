@@ -7,7 +7,7 @@ serves continuous (`x' = A x + B u`) and sampled (`x⁺ = A x + B u`) time.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import chain
 from typing import Any
@@ -63,7 +63,7 @@ def low_pass(output: str, signal: str, corner: Fraction | None) -> Block:
 def transfer(output: str, signal: str, numerator: Sequence[Fraction], denominator: Sequence[Fraction]) -> Block:
     """Proper rational law `output = numerator/denominator · signal`, coefficients in descending powers of s [rad/s].
 
-    Companion form in a time scale near the geometric mean of the poles, balanced. Common factors are not cancelled.
+    Companion form in a time scale near the geometric mean of the poles, balanced; common factors are not cancelled.
 
     Raises: InputError when the denominator is zero, the law is improper, or a coefficient leaves the range of floats.
     """
@@ -82,11 +82,13 @@ def transfer(output: str, signal: str, numerator: Sequence[Fraction], denominato
     feedthrough, rate = np.array([[_number(output, b[0])]]), _number(output, scale)
     A = np.eye(order, k=-1)
     A[0] = -poles
-    A, (widths, _) = matrix_balance(A, permute=False, separate=True)
-    B, C = np.eye(order, 1) / widths[:, None], zeros * widths
-    # One common factor makes input and output gains alike, so that no state dwarfs the joint's own.
-    gain = np.sqrt(np.linalg.norm(C) / np.linalg.norm(B)) or 1.0
-    return Block((signal,), (output,), rate * A, rate * B * gain, C / gain, feedthrough)
+    return balanced(Block((signal,), (output,), rate * A, rate * np.eye(order, 1), zeros, feedthrough))
+
+
+def balanced(block: Block) -> Block:
+    """The same law in state units that make rows and columns of A alike: rounding then costs digits of no state."""
+    A, (units, _) = matrix_balance(block.A, permute=False, separate=True)
+    return replace(block, A=A, B=block.B / units[:, None], C=block.C * units)
 
 
 def _number(law: str, value: Fraction | int) -> float:
@@ -124,11 +126,8 @@ def connect(blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequen
         route[port, sources.index(name)] = 1
     S, E = route[:, : len(signals)], route[:, len(signals) :]
     A, B, C, D = (_diagonal([getattr(block, name) for block in blocks]) for name in "ABCD")
-    loop = np.eye(len(signals)) - D @ S
-    # The determinant is 1 without loops and does not depend on the units of the signals.
-    if abs(np.linalg.det(loop)) < WELL_POSED:
-        raise RobimpError(f"singular algebraic loop through {', '.join(_loop_members(D @ S, signals))}")
-    state, external = np.linalg.solve(loop, C), np.linalg.solve(loop, D @ E)
+    solved = _solved(D @ S, signals)
+    state, external = solved @ C, solved @ D @ E
     kept = [signals.index(name) for name in (signals if outputs is None else outputs)]
     return Block(
         tuple(inputs), tuple(signals[i] for i in kept),
@@ -139,6 +138,22 @@ def connect(blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequen
 def _diagonal(matrices: Sequence[Matrix]) -> Matrix:
     # Blocks without states or inputs have empty matrices; their other dimension still counts.
     return np.asarray(block_diag(*matrices), dtype=float)
+
+
+def _solved(feedthrough: Matrix, signals: Sequence[str]) -> Matrix:
+    """`(1 − feedthrough)⁻¹`: signals by the static laws that make them, loops solved."""
+    members = _loop_members(feedthrough, signals)
+    one = np.eye(len(signals))
+    if not members:
+        # Plain substitution keeps exact zeros zero, where elimination leaves rounding.
+        series = one
+        for _ in signals:
+            series = one + feedthrough @ series
+        return series
+    # The determinant is 1 − loop gain, whatever the units of the signals.
+    if abs(np.linalg.det(one - feedthrough)) < WELL_POSED:
+        raise RobimpError(f"singular algebraic loop through {', '.join(members)}")
+    return np.linalg.inv(one - feedthrough)
 
 
 def _loop_members(feedthrough: Matrix, signals: Sequence[str]) -> list[str]:

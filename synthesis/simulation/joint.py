@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..spec.model import Spec
-from .block import Block, Matrix, combination, connect
+from .block import Block, Matrix, balanced, combination, connect
 from .equations import Compensator, Load, actuator_equations, controller_equations, load_equations
 
 MARGINAL = 1e-10  # a pole closer to the axis than this fraction of the largest is not called stable
@@ -67,7 +67,7 @@ def assemble(spec: Spec, compensator: Compensator, load: Load) -> Joint:
     Raises: RobimpError for a singular algebraic loop, InputError for an improper C.
     """
     blocks = [*load_equations(load), *actuator_equations(spec), *controller_equations(spec, compensator)]
-    return Joint(load, connect(blocks, inputs=["tau_int"], outputs=OUTPUTS))
+    return Joint(load, balanced(connect(blocks, inputs=["tau_int"], outputs=OUTPUTS)))
 
 
 def poles_against_wall(spec: Spec, compensator: Compensator) -> Poles:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, RobimpError
 from .excitation import Excitation
 from .joint import Joint
 from .response import Response, Samples, simulate
@@ -33,8 +33,11 @@ def measure_impedance(joint: Joint, excitation: Excitation, periods: float = 4) 
     Waiting ends when transients have faded, or after as long again: modes still alive are then fitted along.
     The error estimate is the disagreement between the two halves of the fitted time plus the residual.
 
-    Raises: InputError when the frequencies are too close, or too far apart, for a record of bounded length.
+    Raises: InputError when the frequencies are too close, or too far apart, for a record of bounded length;
+    RobimpError, with the worst pole, when the joint is not stable and so has no steady state.
     """
+    if not joint.poles.stable:
+        raise RobimpError(f"nothing to measure: worst pole {joint.poles.worst:.6g} rad/s, load {joint.load}")
     omega = excitation.frequencies
     distance = np.diff(np.sort(omega), prepend=0).min()
     dt = 2 * np.pi / omega.max() / SAMPLES_PER_CYCLE

@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Literal, cast
 
-from .fields import above, entries, integer, interval, non_negative, polynomials, require, word
+from .fields import above, described, entries, integer, interval, non_negative, polynomials, require, word
 from .model import Constraints, Controller, Eq9, Eq12, Eq18, Filters, Interval, Objective, Polynomials, Uncertainty
 from .tree import Node, Scalar
 from .units import FREQUENCY, RATIO, Mechanics
@@ -39,8 +39,9 @@ def objective(node: Node) -> Objective:
     section = entries(node, ("maximize", "attenuation"), ("rendering_error",))
     word(section["maximize"], "bandwidth")
     attenuation = above(section["attenuation"], 0, RATIO)
-    message = "expected an attenuation between 0 and 1, the part of a disturbance that remains"
-    require(attenuation < 1, message, section["attenuation"].where)
+    given = section["attenuation"]
+    message = f"expected an attenuation below 1, the part of a disturbance that remains; found {described(given)}"
+    require(attenuation < 1, message, given.where)
     rendering = section.get("rendering_error")
     return Objective(
         maximize="bandwidth",
@@ -68,7 +69,7 @@ def _order(node: Node, kind: str) -> int:
     low, high = _ORDERS[kind]
     what = {"dob": "an order of Q from 2 to 8", "dynamic-feedback": "an order of C_imp of 0 (P) or 1"}[kind]
     order = integer(node, what)
-    require(low <= order <= high, f"expected {what}; found {order}", node.where)
+    require(low <= order <= high, f"expected {what}; found {described(node)}", node.where)
     return order
 
 

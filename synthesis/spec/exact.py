@@ -6,12 +6,13 @@ import re
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
-MAX_DIGITS = 100  # of a decimal; bounds the work every later station does with the number
+MAX_DIGITS = 100  # of a decimal fraction; bounds the work every later station does with the number
 MAX_EXPONENT = 300  # |value| within 1e±300, so that float(value) stays finite wherever floats are used
-MAX_RATIO_DIGITS = 2000  # of p and of q in p/q: the canonical text of any number read here, with its unit, fits
+MAX_RATIO_DIGITS = 2000  # of p and of q in p/q, as written and in the canonical form
 
 NUMBER = r"[+-]?(?:[0-9]+/[0-9]+|(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
 _NUMBER = re.compile(NUMBER)
+_RATIO = re.compile(r"[+-]?[0-9]+(/[0-9]+)?")  # what canonical text looks like
 
 # Text that some YAML reader takes for a number (or for another one) and that is refused here.
 _MISREAD = tuple(
@@ -46,10 +47,20 @@ def parse_number(text: str) -> Fraction:
         raise ValueError(advice)
     if not _NUMBER.fullmatch(text):
         raise ValueError("write a number such as 0.3, 2.5e-3 or 3/100")
-    value = _ratio(text) if "/" in text else _decimal(text)
+    return bounded(_ratio(text) if _RATIO.fullmatch(text) else _decimal(text))
+
+
+def bounded(value: Fraction) -> Fraction:
+    """The value itself, if every later station can afford it; also asked of what units and tolerances make of a number.
+
+    Raises:
+        ValueError: too large, too small, or too many digits.
+    """
     limit = 10**MAX_EXPONENT
     if value and not Fraction(1, limit) <= abs(value) <= limit:
-        raise ValueError(f"its magnitude must lie between 1e-{MAX_EXPONENT} and 1e{MAX_EXPONENT}")
+        raise ValueError(f"its magnitude in SI must lie between 1e-{MAX_EXPONENT} and 1e{MAX_EXPONENT}")
+    if max(abs(value.numerator), value.denominator) >= 10**MAX_RATIO_DIGITS:
+        raise ValueError(f"as a ratio of integers it has more than {MAX_RATIO_DIGITS} digits")
     return value
 
 
@@ -62,16 +73,16 @@ def decimal_text(value: Fraction) -> str:
     """Six digits for a reader's eye; never read back."""
     with localcontext() as context:
         context.prec = 6
-        return f"{(Decimal(value.numerator) / Decimal(value.denominator)).normalize():g}"
+        return f"{Decimal(value.numerator) / Decimal(value.denominator):g}"
 
 
 def _ratio(text: str) -> Fraction:
-    numerator, denominator = text.split("/")
-    if max(len(numerator), len(denominator)) > MAX_RATIO_DIGITS:
+    numerator, _, denominator = text.partition("/")
+    if max(len(numerator.lstrip("+-")), len(denominator)) > MAX_RATIO_DIGITS:
         raise ValueError(f"at most {MAX_RATIO_DIGITS} digits above and below the stroke")
-    if int(denominator) == 0:
+    if int(denominator or 1) == 0:
         raise ValueError("its denominator is zero")
-    return Fraction(int(numerator), int(denominator))
+    return Fraction(int(numerator), int(denominator or 1))
 
 
 def _decimal(text: str) -> Fraction:

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import TypeVar
 
 from ..errors import InputError, Location
-from .exact import decimal_text
+from .exact import bounded, decimal_text
 from .model import Interval, Polynomials
 from .tree import Mapping, Node, Scalar, Sequence, joined, shown
 from .units import PLAIN, Dimension, parse_quantity, parse_tolerance
@@ -126,11 +126,20 @@ def interval(node: Node, dimension: Dimension) -> Interval:
     return low, high
 
 
-def tolerance(node: Node) -> Fraction | None:
-    """p where the value reads `±p %`, as a fraction of one; None where it reads otherwise."""
-    if not isinstance(node, Scalar):
-        return None
-    return _parsed(node, 'expected a tolerance such as "±20 %"', parse_tolerance)
+def tolerance(node: Node, nominal: Fraction) -> Interval | None:
+    """The interval around `nominal` where the value reads `±p %`; None where it reads otherwise."""
+
+    def parse(text: str) -> Interval | None:
+        share = parse_tolerance(text)
+        if share is None:
+            return None
+        if share < 0:
+            raise ValueError("leave the sign out")
+        if nominal == 0:
+            raise ValueError("any share of the nominal value 0 is 0: write [low, high], or [0, 0] if it is exact")
+        return bounded(nominal * (1 - share)), bounded(nominal * (1 + share))
+
+    return _parsed(node, 'expected a tolerance such as "±20 %"', parse) if isinstance(node, Scalar) else None
 
 
 def polynomials(node: Node) -> Polynomials:

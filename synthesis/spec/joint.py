@@ -91,20 +91,19 @@ def _box(node: Node, units: Mechanics, nominal: Plant) -> Box:
         damping=_range(section["damping"], units.damping, nominal.damping),
         stiffness=_range(section["stiffness"], units.stiffness, nominal.stiffness),
     )
-    require(box.inertia[0] > 0, "expected inertias > 0 only; every load in the box has one", section["inertia"].where)
-    require(box.damping[0] >= 0, "expected dampings ≥ 0 only", section["damping"].where)
-    require(box.stiffness[0] >= 0, "expected stiffnesses ≥ 0 only", section["stiffness"].where)
+    for key in _LOAD:
+        low = getattr(box, key)[0]
+        sign = "> 0" if key == "inertia" else "≥ 0"
+        message = f"expected a box in which every {key} is {sign}; found {decimal_text(low)} at its low end"
+        require(low > 0 or (low == 0 and key != "inertia"), message, section[key].where)
     return box
 
 
 def _range(node: Node, dimension: Dimension, nominal: Fraction) -> Interval:
     """`±p %` of the nominal value, or `[low, high]` around it."""
-    share = tolerance(node)
-    if share is not None:
-        require(share >= 0, f"expected a tolerance ≥ 0; found {described(node)}", node.where)
-        message = "a share of a nominal value of 0 is 0; write an interval [low, high], [0, 0] if it is exact"
-        require(nominal != 0, message, node.where)
-        return nominal * (1 - share), nominal * (1 + share)
+    around = tolerance(node, nominal)
+    if around is not None:
+        return around
     if not isinstance(node, Sequence):
         message = f'expected "±20 %" or [low, high]; found {described(node)}; write [v, v] if the value v is exact'
         raise InputError(message, node.where)

@@ -106,8 +106,9 @@ def _top(root: Node) -> dict[str, Node]:
     # The version comes first: the keys of a later format are not misspelt keys of this one.
     if isinstance(root, Mapping) and "robimp" in root.entries:
         version = root.entries["robimp"][1]
-        found = integer(version, "the format version 1")
-        require(found == 1, f"expected format version 1; found {found}; this release reads no other", version.where)
+        what = "the format version 1"
+        message = f"expected {what}; found {described(version)}; this release reads no other"
+        require(integer(version, what) == 1, message, version.where)
     return entries(root, _REQUIRED, later=("sampling",))
 
 

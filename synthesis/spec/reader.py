@@ -101,10 +101,12 @@ class _Reader:
         return event
 
     def refusal(self, error: MarkedYAMLError) -> InputError:
-        mark = error.problem_mark or error.context_mark
+        problem = " ".join(str(error.problem).split())
+        problem = problem if problem.isprintable() else ascii(problem)
+        # What never ends is looked for where it begins.
+        endless = "end of stream" in problem and error.context_mark
+        mark = error.context_mark if endless else error.problem_mark
         where = Location(self.file, mark.line + 1, mark.column + 1) if mark else self.last
-        # repr takes the escapes out of whatever the scanner quotes; the quotes repr adds are taken off again.
-        problem = repr(" ".join(str(error.problem).split()))[1:-1]
         context = f" ({error.context})" if error.context else ""
         return InputError(f"not valid YAML: {problem}{context}; check brackets, quotes and indentation", where)
 

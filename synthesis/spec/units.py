@@ -14,7 +14,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Literal
 
-from .exact import NUMBER, misread, parse_number
+from .exact import NUMBER, bounded, misread, parse_number
 
 TWO_PI = Fraction("6.283185307179586476925287")
 DEGREES_PER_RADIAN = Fraction("57.29577951308232087679815")
@@ -86,7 +86,7 @@ def parse_quantity(text: str, dimension: Dimension) -> Fraction:
         return value
     factors = {_plain(unit): factor for unit, factor in dimension.units.items()}
     if _plain(match[2]) in factors:
-        return value * factors[_plain(match[2])]
+        return bounded(value * factors[_plain(match[2])])
     if dimension is RATIO and match[2] == "dB":
         raise ValueError(f"decibels are irrational numbers: write {_from_decibels(value)}")
     units = f"use one of {dimension.accepted}, or a bare number in SI" if dimension.units else "write a bare number"

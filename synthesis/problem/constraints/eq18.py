@@ -24,6 +24,14 @@ STATEMENT = {
 }
 
 
+REMEDY = {
+    "paper": "the printed form needs |Ω| < 1 where A_cl ≈ 1, and |Ω| → ∞ at ω → 0 when K̂ = 0 and K_imp > 0; "
+    "use form: half-plane (exact over the disc) or form: lumped",
+    "lumped": "use form: half-plane (exact over the disc)",
+    "half-plane": "reduce the uncertainty",
+}
+
+
 def eq18(setting: Setting) -> tuple[Constraint, ...]:
     """Robust stability with actuator dynamics."""
     asked = setting.spec.constraints.eq18
@@ -60,5 +68,6 @@ def eq18(setting: Setting) -> tuple[Constraint, ...]:
             uncertainty="disc of radius W",
             inequalities=(inequality,),
             level=Fraction(1),
+            remedy=REMEDY[asked.form],
         ),
     )

@@ -37,5 +37,6 @@ def eq9(setting: Setting) -> tuple[Constraint, ...]:
             uncertainty="disc of radius W",
             inequalities=(inequality,),
             level=Fraction(1),
+            remedy="reduce the uncertainty: where Q cannot act, W must stay below 1",
         ),
     )

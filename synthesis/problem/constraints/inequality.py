@@ -9,19 +9,16 @@ the NLP expression (CasADi), the proof (exact) and the curve in the report: each
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....models.impedance import DynamicStiffness
 from ....models.rational import ONE, ZERO, Operand, RationalFunction
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
 
 class Variable(Enum):
     """What X stands for."""
@@ -39,21 +36,25 @@ class Gain(Enum):
     R = "W/(1−W)"
     RHO = "W/(1−W²)"
 
-    def value(self, W: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The factor on a grid; infinite where W ≥ 1 leaves Δ/(1+Δ) unbounded. W: (n,)."""
+    def value(self, W: Any) -> Any:
+        """The factor for an array or expression of W; infinite on arrays where W ≥ 1 leaves Δ/(1+Δ) unbounded."""
         if self is Gain.ONE:
-            return np.ones_like(W)
+            return 1.0
         if self is Gain.W:
             return W
-        with np.errstate(divide="ignore", invalid="ignore"):
-            value = W / (1 - W) if self is Gain.R else W / (1 - W**2)
-        return np.where(W < 1, value, np.inf)
+        return _unbounded_beyond_one(W, np.inf, lambda W: W / (1 - W) if self is Gain.R else W / (1 - W**2))
 
 
-def centre(W: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Centre `−W²/(1−W²)` of the disc that Δ/(1+Δ) fills when |Δ| ≤ W < 1; its radius is RHO. W: (n,)."""
+def centre(W: Any) -> Any:
+    """Centre `−W²/(1−W²)` of the disc that Δ/(1+Δ) fills when |Δ| ≤ W < 1; its radius is RHO."""
+    return _unbounded_beyond_one(W, -np.inf, lambda W: -(W**2) / (1 - W**2))
+
+
+def _unbounded_beyond_one(W: Any, limit: float, ratio: Callable[[Any], Any]) -> Any:
+    if not isinstance(W, np.ndarray):
+        return ratio(W)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(W < 1, -(W**2) / (1 - W**2), -np.inf)
+        return np.where(W < 1, ratio(W), limit)
 
 
 class Source(Enum):
@@ -139,10 +140,8 @@ class Inequality:
         """
 
         def value(affine: Affine) -> Any:
-            constant, slope = affine.constant, affine.slope
-            if slope == ZERO:
-                return at(constant) + 0 * X
-            return at(constant) + at(slope) * X
+            constant = at(affine.constant)
+            return constant if affine.slope == ZERO else constant + at(affine.slope) * X
 
         W = v * W if self.role is Role.RADIUS else W
         left = v if self.role is Role.FLOOR else 0.0
@@ -158,7 +157,7 @@ class Inequality:
 
 @dataclass(frozen=True)
 class Constraint:
-    """A numbered condition: its inequalities (all must hold) and what is asked of it.
+    """A numbered condition: its inequalities (all must hold), what is asked of it, what to do where it is impossible.
 
     level: the v that is required, or None when the claim is only reported. band: interval of ω [rad/s], upper end None
     for infinity; `on_band`: the interval is [0, ω_B], the objective's own; `largest_band`: the largest on which it holds.
@@ -176,6 +175,7 @@ class Constraint:
     largest_band: bool = False
     strict: bool = True
     positive_real: bool = False
+    remedy: str = ""
 
     @property
     def required(self) -> bool:

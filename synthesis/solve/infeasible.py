@@ -1,0 +1,113 @@
+"""Why nothing can work: a constraint that no complex number X satisfies at some frequency, however it is chosen.
+
+A statement about one constraint at one frequency, by closed form, so it needs no solver's word.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from flint import fmpq
+
+from ...models.rational import RationalFunction, to_float
+from ..problem.constraints import constraints
+from ..problem.constraints.inequality import Affine, Constraint, Gain, Inequality
+from ..problem.grid import Evaluator, frequency_scale
+from ..problem.setting import Setting
+
+
+@dataclass(frozen=True)
+class Impossible:
+    """A constraint whose left side exceeds its right side at ω for every X; `ratio` is the best left/right."""
+
+    constraint: Constraint
+    omega: float
+    ratio: float
+
+    def __str__(self) -> str:
+        c = self.constraint
+        place = "ω → 0" if self.omega == 0 else f"ω = {self.omega:.4g} rad/s"
+        excess = "its right side vanishes" if np.isinf(self.ratio) else f"left/right ≥ {self.ratio:.4g} (must be < 1)"
+        return f"{c.equation} {c.form} cannot hold at {place} for any Q: {excess}; {c.remedy}"
+
+
+def impossible(setting: Setting) -> Impossible | None:
+    """The first required constraint that fails pointwise for every X: at ω → 0, or at its worst frequency."""
+    low, high = frequency_scale(setting)
+    evaluator = Evaluator(setting, np.geomspace(low / 30, high * 30, 600))
+    for c in constraints(setting):
+        if not c.required or c.on_band:
+            continue
+        for inequality in c.inequalities:
+            if c.band[0] == 0 and (ratio := _ratio_at_zero(inequality, setting)) >= 1:
+                return Impossible(c, 0.0, ratio)
+            inside = (evaluator.omega >= float(c.band[0])) & (evaluator.omega <= float(c.band[1] or np.inf))
+            if _needs_disc(inequality) and np.any(beyond := inside & (evaluator.radius(inequality.source) >= 1)):
+                return Impossible(c, float(evaluator.omega[beyond][0]), np.inf)
+            ratio_on_grid = np.where(inside, _best_ratio(inequality, evaluator), 0.0)
+            k = int(np.argmax(ratio_on_grid))
+            if ratio_on_grid[k] >= 1:
+                return Impossible(c, float(evaluator.omega[k]), float(ratio_on_grid[k]))
+    return None
+
+
+def _needs_disc(inequality: Inequality) -> bool:
+    return any(term.gain in (Gain.R, Gain.RHO) for term in inequality.moduli)
+
+
+def _best_ratio(inequality: Inequality, evaluator: Evaluator) -> np.ndarray:
+    """min over X of left/right on the grid; 0 where the right side depends on X. Returns (n,)."""
+    omega = evaluator.omega
+    if not inequality.modulus_right or inequality.right.slope.num.degree() >= 0 or len(inequality.moduli) > 2:
+        return np.zeros_like(omega)
+    W = evaluator.radius(inequality.source)
+    fixed, distances = np.zeros_like(omega), []
+    for term in inequality.moduli:
+        gain = np.broadcast_to(term.gain.value(W), omega.shape)
+        a, b = term.affine.constant.at(omega), term.affine.slope.at(omega)
+        if term.affine.slope.num.degree() < 0:
+            fixed = fixed + gain * np.abs(a)
+        else:
+            distances.append((gain * np.abs(b), -a / b))
+    if len(distances) == 2:  # two weighted distances from X: best at the heavier one's centre
+        (w1, x1), (w2, x2) = distances
+        fixed = fixed + np.minimum(w1, w2) * np.abs(x1 - x2)
+    return fixed / np.abs(inequality.right.constant.at(omega))
+
+
+def _ratio_at_zero(inequality: Inequality, setting: Setting) -> float:
+    """The same at ω → 0 for any X finite there, by leading coefficients; 0 where X still has a say."""
+    if not inequality.modulus_right:
+        return 0.0
+    affines = [inequality.right, *(term.affine for term in inequality.moduli)]
+    order = min(_order(r) for affine in affines for r in (affine.constant, affine.slope))
+    if any(_order(affine.slope) <= order for affine in affines):
+        return 0.0
+    tiny = np.array([frequency_scale(setting)[0] * 1e-8])
+    W = Evaluator(setting, tiny).radius(inequality.source)
+    left = sum(float(np.max(term.gain.value(W))) * _lead(term.affine, order) for term in inequality.moduli)
+    right = _lead(inequality.right, order)
+    if left < right * (1 - 1e-12):
+        return 0.0
+    return float("inf") if right == 0 else max(left / right, 1.0)
+
+
+def _order(r: RationalFunction) -> int:
+    """Order of the zero (negative: pole) at s = 0."""
+    if r.num.degree() < 0:
+        return 10**6
+    return _valuation(r.num.coeffs()) - _valuation(r.den.coeffs())
+
+
+def _valuation(coefficients: list[fmpq]) -> int:
+    return next(k for k, c in enumerate(coefficients) if c != 0)
+
+
+def _lead(affine: Affine, order: int) -> float:
+    """Modulus of the coefficient of s^order of the constant part at s → 0."""
+    r = affine.constant
+    if _order(r) > order:
+        return 0.0
+    num, den = r.num.coeffs(), r.den.coeffs()
+    return abs(to_float(num[_valuation(num)] / den[_valuation(den)]))

@@ -1,0 +1,181 @@
+"""Specifications and certificates for the tests; margins come from float grids and a step to the safe side."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import json
+from collections.abc import Iterator
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+from claim_floats import Joint, Json, num
+
+TEXTS = dict.fromkeys(("equation", "statement", "uncertainty"), "...")
+
+
+def text(value: float | Fraction | int, digits: int = 6) -> str:
+    return str(Fraction(f"{value:.{digits}g}") if isinstance(value, float) else Fraction(value))
+
+
+def spec(**changes: Any) -> Json:
+    """The series-elastic joint of the documentation; `changes` replace whole sections, or keys of a section."""
+    base: Json = {
+        "robimp": 1,
+        "name": "joint",
+        "motion": "rotary",
+        "plant": {"inertia": "3/100", "damping": "1/5", "stiffness": "0"},
+        "uncertainty": {
+            "box": {"inertia": ["3/125", "9/250"], "damping": ["3/25", "7/25"], "stiffness": ["0", "0"]},
+            "weight": None,
+        },
+        "actuator": {
+            "type": "series-elastic",
+            "motor_inertia": "1/100",
+            "motor_damping": "1/20",
+            "spring_stiffness": "24/5",
+            "torque_loop": {"kp": "10", "kd": "1/4", "derivative_corner": "1000", "feedforward": "1"},
+        },
+        "impedance": {"inertia": "3/100", "damping": "7/20", "stiffness": "5/4"},
+        "controller": {
+            "type": "dob",
+            "order": None,
+            "form": None,
+            "coefficients": None,
+            "filters": {"force": None, "position": None, "derivative": None},
+        },
+        "objective": {"maximize": "bandwidth", "attenuation": "3/10", "rendering_error": None},
+        "constraints": {
+            "eq9": {},
+            "eq12": {"form": "structured", "band": None, "margin": "0"},
+            "eq18": {"form": "half-plane", "coupling": "physical"},
+            "peak": "2",
+            "friction": "report",
+        },
+    }
+    for key, value in changes.items():
+        base[key] = {**base[key], **value} if isinstance(value, dict) and key != "actuator" else value
+    return base
+
+
+def dob(numerator: list[str], denominator: list[str]) -> Json:
+    padded = ["0"] * (len(denominator) - len(numerator)) + numerator
+    below = [str(Fraction(d) - Fraction(n)) for n, d in zip(padded, denominator, strict=True)]
+    while below[0] == "0":
+        below.pop(0)
+    Q = {"numerator": numerator, "denominator": denominator}
+    return {"type": "dob", "Q": Q, "C": {"numerator": numerator, "denominator": below}}
+
+
+EQ23 = dob(["2000"], ["1", "283/4", "2500"])  # the hand-tuned form (23): α = 0.8, ω = 50
+
+
+def grid(lo: float, hi: float, n: int = 400) -> Iterator[float]:
+    lo = max(lo, 1e-2)
+    return (lo * (hi / lo) ** (k / (n - 1)) for k in range(n))
+
+
+def worst(s: Json, controller: Json, kind: str, form: str, lo: float, hi: float) -> float:
+    values = [Joint(s, controller, w).margin(kind, form) for w in grid(lo, hi)]
+    return max(values) if kind in ("peak", "rendering") else min(values)
+
+
+def claim(kind: str, form: str, interval: list[str], margin: str | None, required: bool, **more: Any) -> Json:
+    return {
+        "id": kind,
+        "form": form,
+        **TEXTS,
+        "interval": interval,
+        "required": required,
+        "status": "proven",
+        "margin": margin,
+        "refuted_at": None,
+        "hints": {},
+        **more,
+    }
+
+
+def omega_b(s: Json, controller: Json) -> float:
+    return _omega_b(json.dumps([s, controller]))
+
+
+@cache
+def _omega_b(key: str) -> float:
+    s, controller = json.loads(key)
+    delta, low, high = num(s["objective"]["attenuation"]), 0.0, None
+    for w in grid(1e-2, 1e4, 500):
+        if Joint(s, controller, w).margin("bandwidth", "") > delta:
+            high = w
+            break
+        low = w
+    assert high is not None
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if Joint(s, controller, middle).margin("bandwidth", "") <= delta else (low, middle)
+    return low
+
+
+Extra = tuple[str, str, list[str]]
+
+
+def certificate(s: Json, controller: Json, extra: list[Extra] | None = None, decay: str = "1") -> Json:
+    """All claims the specification asks for, and `extra` ones that it does not: (id, form, interval)."""
+    limits = s["constraints"]
+    proven = text(omega_b(s, controller) * (1 - 1e-5), 5)
+    whole, band = ["0", "inf"], ["0", proven]
+    wanted: list[tuple[str, str, list[str], bool]] = []
+    if limits["eq9"] is not None:
+        wanted.append(("eq9", "printed", whole, True))
+    if limits["eq12"] is not None:
+        wanted.append(("eq12", limits["eq12"]["form"], limits["eq12"]["band"] or whole, True))
+    if limits["eq18"] is not None:
+        wanted.append(("eq18", f"{limits['eq18']['form']}/{limits['eq18']['coupling']}", whole, True))
+    if limits["peak"] is not None:
+        wanted.append(("peak", "sensitivity", whole, True))
+    if s["objective"]["rendering_error"] is not None:
+        wanted.append(("rendering", "every-load", band, True))
+    if limits["friction"] == "require":
+        wanted.append(("friction", "strictly-positive-real", whole, True))
+    wanted += [(*entry, False) for entry in extra or []]
+    claims = [claim(f"stability-{end}", "hurwitz", whole, decay, True) for end in ("free", "locked")]
+    claims.append(claim("bandwidth", "attenuation", band, proven, True))
+    for kind, form, interval, required in wanted:
+        hi = 1e5 if interval[1] == "inf" else num(interval[1])
+        value = worst(s, controller, kind, form, num(interval[0]), hi)
+        slack = abs(value) * 2e-3
+        margin = value + slack if kind in ("peak", "rendering") else value - slack
+        claims.append(claim(kind, form, interval, text(margin, 9), required))
+    return seal(
+        {
+            "robimp_certificate": 1,
+            "spec": s,
+            "controller": controller,
+            "bandwidth": {"proven": proven, "refuted_at": None, "bound": None},
+            "claims": claims,
+            "assumptions": [],
+            "not_claimed": [],
+            "producer": {"robimp": "test"},
+        }
+    )
+
+
+def canonical(value: Json) -> bytes:
+    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=True, allow_nan=False).encode()
+
+
+def seal(body: Json) -> Json:
+    """Digests and end record, whatever was edited before."""
+    body = copy.deepcopy({key: part for key, part in body.items() if key != "end"})
+    body["spec_sha256"] = hashlib.sha256(canonical(body["spec"])).hexdigest()
+    digest = hashlib.sha256(canonical(body)).hexdigest()
+    body["end"] = {"claims": len(body["claims"]), "body_sha256": digest}
+    return body
+
+
+def data(cert: Json) -> bytes:
+    return json.dumps(cert, indent=1).encode()
+
+
+def find(cert: Json, kind: str, form: str | None = None) -> Json:
+    return next(c for c in cert["claims"] if c["id"] == kind and form in (None, c["form"]))
