@@ -13,7 +13,7 @@ from flint import fmpq, fmpq_poly
 from ...models.controller import Compensator
 from ...models.rational import RationalFunction, exact, fraction
 from ..problem.constraints import constraints
-from ..problem.constraints.inequality import Constraint, Role, Variable
+from ..problem.constraints.inequality import Constraint, Gain, Role, Variable
 from ..problem.grid import Evaluator, grid
 from ..problem.setting import Setting
 from .hurwitz import decay_rate, is_hurwitz
@@ -167,8 +167,7 @@ class Prover:
     def failing(self, constraint: Constraint, v: Fraction) -> tuple[float, ...]:
         """Frequencies where a constraint fails worst: each local minimum of its slack on the grid, or the witness."""
         evaluator = self.evaluator.with_ends(constraint)
-        low, high = float(constraint.band[0]), constraint.band[1]
-        inside = (evaluator.omega >= low) & (evaluator.omega <= (np.inf if high is None else float(high)))
+        inside = evaluator.inside(constraint)
         found: list[float] = []
         for inequality in constraint.inequalities:
             slack = np.where(inside, evaluator.slack(inequality, float(v), self.X), np.inf)
@@ -182,48 +181,58 @@ class Prover:
 
     def claim(self, constraint: Constraint) -> Claim:
         """Prove at the hardest level found; if the required level cannot be proven, refute it with a witness."""
-        required = constraint.level
-        self = replace(self, evaluator=self.evaluator.with_ends(constraint))
-        best = self._best_level(constraint)
-        harder = constraint.role.harder
-        proven = refuted = None
-        for tightness in TIGHTNESS:
-            v = _moved(best, -harder * tightness, constraint, up=harder < 0)
-            if required is not None and harder * (v - required) < 0:
-                v = required
-            if _meaningful(constraint, v) and self.decide(constraint, v) is Outcome.PROVEN:
-                proven = v
-                break
-            if v == required:
-                break
-        if proven is not None:
-            for tightness in TIGHTNESS:
-                v = _moved(best, harder * tightness, constraint, up=harder > 0)
-                if harder * (v - proven) > 0 and (found := self.witness(constraint, v)):
-                    refuted = Refutation(v, found)
-                    break
-            return _claim(constraint, Outcome.PROVEN, proven, refuted)
+        prover = replace(self, evaluator=self.evaluator.with_ends(constraint))._focused(constraint)
+        (best, _), required, harder = prover._best_level(constraint), constraint.level, constraint.role.harder
+        levels = [_moved(best, -harder * tightness, constraint, up=harder < 0) for tightness in TIGHTNESS]
+        if required is not None:
+            levels = [v for v in levels if harder * (v - required) > 0] + [required]
+        for proven in levels:
+            if _meaningful(constraint, proven) and self.decide(constraint, proven) is Outcome.PROVEN:
+                return _claim(constraint, Outcome.PROVEN, proven, prover._beyond_level(constraint, best, proven))
         level = required if required is not None else _easiest(constraint)
-        found = self.witness(constraint, level)
+        found = prover.witness(constraint, level)
         if found is None:
             return _claim(constraint, Outcome.UNDECIDED, None, None)
         return _claim(constraint, Outcome.REFUTED, None, Refutation(level, found))
 
-    def _best_level(self, constraint: Constraint) -> float:
-        """The level at which the worst slack on the grid is zero, in floats, refined around the worst frequency."""
-        low, high = _level_range(constraint)
-        for _ in range(60):
-            middle = np.sqrt(low * high) if constraint.role is not Role.FLOOR else 0.5 * (low + high)
-            fits = self.evaluator.worst(constraint, middle, self.X)[0] > 0
-            low, high = (middle, high) if fits == (constraint.role.harder > 0) else (low, middle)
-        return float(low if constraint.role.harder > 0 else high)
+    def _beyond_level(self, constraint: Constraint, best: float, proven: Fraction) -> Refutation | None:
+        """The twin: the least harder level found at which the claim fails, and where."""
+        harder = constraint.role.harder
+        for tightness in TIGHTNESS:
+            v = _moved(best, harder * tightness, constraint, up=harder > 0)
+            if harder * (v - proven) > 0 and (found := self.witness(constraint, v)):
+                return Refutation(v, found)
+        return None
+
+    def _focused(self, constraint: Constraint) -> Prover:
+        """The same prover with a grid refined twice around the constraint's worst frequency."""
+        prover = self
+        for _ in range(2):
+            _, worst = prover._best_level(constraint)
+            omega = prover.evaluator.omega
+            k = int(np.searchsorted(omega, worst))
+            near = np.linspace(omega[max(k - 1, 0)], omega[min(k + 1, omega.size - 1)], 64)
+            prover = replace(prover, evaluator=Evaluator(self.subject.setting, np.unique([*omega, *near])))
+        return prover
+
+    def _best_level(self, constraint: Constraint) -> tuple[float, float]:
+        """The hardest level that holds on the grid, in floats, and the frequency that decides it."""
+        inside, harder = self.evaluator.inside(constraint), constraint.role.harder
+        worst = (harder * LARGEST_FACTOR, 0.0)
+        for inequality in constraint.inequalities:
+            if any(term.gain is Gain.R for term in inequality.moduli):
+                return float(constraint.level or 1), 0.0  # not tightened: proven at the level asked for, or not
+            levels = np.where(inside, self.evaluator.levels(inequality, self.X), harder * LARGEST_FACTOR)
+            levels = np.where(np.isnan(levels), harder * LARGEST_FACTOR, levels)
+            k = int(np.argmin(harder * levels))
+            if harder * levels[k] < harder * worst[0]:
+                worst = (float(levels[k]), float(self.evaluator.omega[k]))
+        return worst
 
     def largest_band(self, constraint: Constraint) -> Claim:
         """Prove a constraint on the widest interval where it holds; refuted everywhere if there is none."""
         v = float(_easiest(constraint))
-        omega = self.evaluator.omega
-        low, high = float(constraint.band[0]), constraint.band[1]
-        fits = (omega >= low) & (omega <= (np.inf if high is None else float(high)))
+        omega, fits = self.evaluator.omega, self.evaluator.inside(constraint)
         for inequality in constraint.inequalities:
             fits &= np.nan_to_num(self.evaluator.slack(inequality, v, self.X), nan=-1.0) > 0
         for a, b in _runs(fits, omega):
@@ -334,12 +343,6 @@ def _easiest(constraint: Constraint) -> Fraction:
 
 def _meaningful(constraint: Constraint, v: Fraction) -> bool:
     return v > 0 if constraint.id == "friction" else constraint.role is Role.FLOOR or v > 0
-
-
-def _level_range(constraint: Constraint) -> tuple[float, float]:
-    if constraint.role is Role.FLOOR:
-        return -1e6, 1e6
-    return 1 / LARGEST_FACTOR, LARGEST_FACTOR
 
 
 def _moved(v: float, by: float, constraint: Constraint, up: bool) -> Fraction:

@@ -11,6 +11,7 @@ from .outcome import Clock, MismatchError, UnreadableError
 from .polynomials import ONE, ZERO, Poly, norm2
 
 Load = tuple[Fraction, Fraction, Fraction]  # I, B, K
+Box = tuple[tuple[Fraction, Fraction], ...]  # [lo, hi] of I, B, K
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class Joint:
     d: Poly
     corners: tuple[Load, ...]  # corners of the rectangle that g(jω) moves in; the nominal load alone without a box
     edge: tuple[Load, Load] | None  # the segment v = B_lo ω, where K_hi > 0 makes it matter
-    box: tuple[tuple[Fraction, Fraction], ...] | None
+    box: Box | None
     weight: tuple[Poly, Poly] | None  # |n_w|² and |d_w|², polynomials in x
     damping: Fraction  # B_imp
 
@@ -139,7 +140,7 @@ def _proportional(a: tuple[Poly, Poly], b: tuple[Poly, Poly]) -> bool:
 
 def _box(
     section: dict[str, Any] | None, nominal: Load
-) -> tuple[tuple[Load, ...], tuple[Load, Load] | None, tuple[tuple[Fraction, Fraction], ...] | None]:
+) -> tuple[tuple[Load, ...], tuple[Load, Load] | None, Box | None]:
     if section is None:
         return (nominal,), None, None
     box = (section["inertia"], section["damping"], section["stiffness"])
@@ -147,9 +148,8 @@ def _box(
         if not lo <= value <= hi:
             raise UnreadableError(f"spec.uncertainty.box.{key}: does not contain the nominal value")
     (I_lo, I_hi), (B_lo, B_hi), (K_lo, K_hi) = box
-    corners = tuple({(*end, B, K): None for end, K in (((I_hi,), K_lo), ((I_lo,), K_hi)) for B in (B_lo, B_hi)})
-    edge = ((I_hi, B_lo, K_lo), (I_lo, B_lo, K_hi)) if K_hi > 0 else None
-    return corners, edge, box
+    corners = (I_hi, B_lo, K_lo), (I_hi, B_hi, K_lo), (I_lo, B_lo, K_hi), (I_lo, B_hi, K_hi)
+    return tuple(dict.fromkeys(corners)), (corners[0], corners[2]) if K_hi > 0 else None, box
 
 
 def _weight(section: dict[str, Any] | None, clock: Clock) -> tuple[Poly, Poly] | None:

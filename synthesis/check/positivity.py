@@ -211,16 +211,20 @@ def _fails(values: list[int], strict: bool) -> bool:
 def _split(groups: list[Group], slack: Group, left: Point, right: Point, level: int) -> list[Cell]:
     """Halve the direction in which the slack varies more."""
     along_x = max(max(row) - min(row) for row in slack)
-    along_t = max(max(column) - min(column) for column in zip(*slack, strict=True))
+    along_t = max(max(column) - min(column) for column in _transposed(slack))
     if along_t > along_x:
-        pairs = [[halve(list(column)) for column in zip(*group, strict=True)] for group in groups]
-        halves = [[[list(row) for row in zip(*(p[k] for p in pair), strict=True)] for pair in pairs] for k in (0, 1)]
-        return [(half, left, right, level) for half in halves]
+        groups = [_transposed(group) for group in groups]
     rows = [[halve(row) for row in group] for group in groups]
     first, second = ([[pair[k] for pair in group] for group in rows] for k in (0, 1))
+    if along_t > along_x:
+        return [([_transposed(group) for group in half], left, right, level) for half in (first, second)]
     middle = (left[0] + right[0], left[1] + right[1])
     left, right = (2 * left[0], 2 * left[1]), (2 * right[0], 2 * right[1])  # the scale that the middle has
     return [(second, middle, right, level), (first, left, middle, level)]
+
+
+def _transposed(group: Group) -> Group:
+    return [list(column) for column in zip(*group, strict=True)]
 
 
 def square(omega: Fraction | None) -> Point:

@@ -17,7 +17,7 @@ STRUCTURE = re.compile(rb'"(?:[^"\\]|\\.)*"|[\[\]{}]', re.DOTALL)
 
 
 def read(data: bytes) -> dict[str, Any]:
-    """Certificate with number texts as Fractions, coefficients ascending, "inf" as None; UnreadableError names the field."""
+    """Certificate with number texts as Fractions, coefficients ascending, "inf" as None; or UnreadableError."""
     raw = _json(data)
     certificate: dict[str, Any] = _meaning(CERTIFICATE, raw, "certificate")
     body = {key: part for key, part in raw.items() if key != "end"}
@@ -126,16 +126,15 @@ def number(value: Any, path: str) -> Fraction:
     return Fraction(p, q)
 
 
-def _natural(value: Any, path: str) -> Fraction:
-    if (found := number(value, path)) < 0:
-        raise UnreadableError(f"{path}: negative")
+def _natural(value: Any, path: str, least: str = "not be negative") -> Fraction:
+    found = number(value, path)
+    if found < 0 or (found == 0 and least == "be positive"):
+        raise UnreadableError(f"{path}: must {least}")
     return found
 
 
 def _positive(value: Any, path: str) -> Fraction:
-    if (found := number(value, path)) <= 0:
-        raise UnreadableError(f"{path}: must be positive")
-    return found
+    return _natural(value, path, "be positive")
 
 
 def _range(value: Any, path: str) -> tuple[Fraction, Fraction]:
@@ -160,9 +159,7 @@ def _coefficients(value: Any, path: str) -> tuple[Fraction, ...]:
     found = tuple(_meaning([number], value, path)[::-1])
     if not 0 < len(found) <= MAX_DEGREE + 1:
         raise UnreadableError(f"{path}: expected 1 to {MAX_DEGREE + 1} coefficients")
-    if sum(entry.denominator.bit_length() for entry in found) > 4 * MAX_DIGITS and (
-        lcm(*(entry.denominator for entry in found)).bit_length() > 4 * MAX_DIGITS
-    ):
+    if lcm(*(entry.denominator for entry in found)) >= 10**MAX_DIGITS:
         raise UnreadableError(f"{path}: the common denominator has more than {MAX_DIGITS} digits")
     return found
 

@@ -52,10 +52,6 @@ def _below(terms: list[Poly], bound: Poly, strict: bool = True) -> Inequality:
     return Inequality(tuple((term,) for term in terms if term.c), (bound,), strict)
 
 
-def _at_least_zero(p: Poly, over: Poly, strict: bool = False) -> Inequality:
-    return Inequality((), (p,), strict, over)
-
-
 def _discs(q: Query) -> list[tuple[Poly, Poly]]:
     """Lumped radius from one source: pairs with `V² = pair[0]/pair[1]`, V the largest over the pairs."""
     joint = q.joint
@@ -75,10 +71,7 @@ def _ratios(q: Query) -> list[tuple[Rows, Rows]]:
     joint = q.joint
     if joint.box is None:
         return [((ZERO,), (ONE,))]
-    found: list[tuple[Rows, Rows]] = []
-    for load in q.loads():
-        g = stiffness(load)
-        found.append(((norm2(joint.nominal - g),), (norm2(g),)))
+    found: list[tuple[Rows, Rows]] = [((norm2(joint.nominal - g),), (norm2(g),)) for g in map(stiffness, q.loads())]
     if joint.edge is not None and q.load is None:
         g0, g2 = (stiffness(load) for load in joint.edge)
         found.append((_segment(joint.nominal - g0, joint.nominal - g2), _segment(g0, g2)))
@@ -102,19 +95,14 @@ def _small_gain(q: Query, a: Poly, b: Poly, p: Poly = ZERO) -> Parts:
         yield Inequality(kept, tuple(row * d_w * b2 for row in size), strict=True)
 
 
-def stability(q: Query, p: Poly) -> Parts:
-    """All roots of p have Re s < −v."""
-    yield Fact(decays_faster(p, q.v, q.clock), "a root does not decay at the stated rate")
-
-
 def stability_free(q: Query) -> Parts:
-    """Characteristic polynomial in free motion, nominal load."""
-    return stability(q, q.joint.free(q.joint.nominal))
+    """All roots of the characteristic polynomial in free motion, nominal load, have Re s < −v."""
+    yield Fact(decays_faster(q.joint.free(q.joint.nominal), q.v, q.clock), "a root does not decay at the stated rate")
 
 
 def stability_locked(q: Query) -> Parts:
-    """Characteristic polynomial against a wall; a degree lost to `1 + HCF(∞) = 0` is a root at infinity."""
-    yield from stability(q, q.joint.locked)
+    """The same against a wall; a degree lost to `1 + HCF(∞) = 0` is a root at infinity."""
+    yield Fact(decays_faster(q.joint.locked, q.v, q.clock), "a root does not decay at the stated rate")
     yield Fact(q.joint.locked.degree >= q.joint.E.degree, "1 + HCF vanishes at infinity")
 
 
@@ -150,7 +138,7 @@ def _passive(q: Query, g: Poly, over: Poly, gap: Poly, size: Poly, strict: bool 
     D, Y = OnAxis.of(over), OnAxis.of(q.joint.E * g)
     D2, rest = D.norm2(), size - gap
     margin = (OnAxis.of(q.joint.free(g)).cross(D) - Poly.of(q.v) * D2) * rest + gap * Y.cross(D)
-    yield _at_least_zero(margin, D2 * rest, strict)
+    yield Inequality((), (margin,), strict, D2 * rest)
     if gap.c:
         yield _below([gap], size)
         yield _below([gap * size * Y.norm2() * D2], X * margin * margin, strict)
@@ -202,19 +190,10 @@ def eq18(q: Query) -> Parts:
     return _small_gain(q, T, D0)
 
 
-def _sensitivity(q: Query, v: Fraction) -> Parts:
-    """`|1 − Q̃| ≤ v`."""
-    yield _below([norm2(q.joint.E)], Poly.of(v**2) * norm2(q.joint.locked), strict=False)
-
-
-def bandwidth(q: Query) -> Parts:
-    """`|1 − Q̃| ≤ attenuation`; v is the end of the interval."""
-    return _sensitivity(q, q.attenuation)
-
-
-def peak(q: Query) -> Parts:
-    """`|1 − Q̃| ≤ v`."""
-    return _sensitivity(q, q.v)
+def sensitivity(q: Query) -> Parts:
+    """`|1 − Q̃| ≤ v`, or the attenuation in the bandwidth claim, where v is the end of the interval."""
+    level = q.attenuation if q.form == "attenuation" else q.v
+    yield _below([norm2(q.joint.E)], Poly.of(level**2) * norm2(q.joint.locked), strict=False)
 
 
 def rendering(q: Query) -> Parts:
@@ -245,8 +224,8 @@ STATEMENTS: dict[str, tuple[tuple[str, ...], Callable[[Query], Parts]]] = {
     "eq9": (("printed",), eq9),
     "eq12": (("paper", "disc", "structured"), eq12),
     "eq18": (tuple(f"{f}/{c}" for f in ("paper", "lumped", "half-plane") for c in ("frozen", "physical")), eq18),
-    "bandwidth": (("attenuation",), bandwidth),
+    "bandwidth": (("attenuation",), sensitivity),
     "rendering": (("every-load",), rendering),
-    "peak": (("sensitivity",), peak),
+    "peak": (("sensitivity",), sensitivity),
     "friction": (("strictly-positive-real",), friction),
 }

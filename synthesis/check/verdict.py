@@ -17,12 +17,7 @@ from .requirements import SIGNED, WHOLE, compare, threshold, title
 from .statements import STATEMENTS, Fact, Query
 
 PROVEN, INPUT, REFUTED, UNDECIDED, MISMATCH = 0, 2, 4, 5, 6
-EXIT_CODES: dict[type[Exception], int] = {
-    UnreadableError: INPUT,
-    FalseClaimError: REFUTED,
-    UndecidedError: UNDECIDED,
-    MismatchError: MISMATCH,
-}
+EXIT_CODES = {UnreadableError: INPUT, FalseClaimError: REFUTED, UndecidedError: UNDECIDED, MismatchError: MISMATCH}
 
 
 @dataclass(frozen=True)
@@ -54,16 +49,15 @@ def check_bytes(data: bytes, *, time_limit: float = 60.0) -> Verdict:
         model = joint(certificate, clock)
     except tuple(EXIT_CODES) as error:
         return Verdict(EXIT_CODES[type(error)], str(error))
-    outcomes = [_outcome(lambda c=claim: _check(certificate, model, c, clock)) for claim in certificate["claims"]]  # type: ignore[misc]
-    outcomes.append(_outcome(lambda: _bandwidth_twin(certificate)))
+    outcomes = [_outcome(_check, certificate, model, claim, clock) for claim in certificate["claims"]]
+    outcomes.append(_outcome(_bandwidth_twin, certificate))
     claims = tuple(
-        (claim["id"], claim["form"], claim["status"] if code in (PROVEN, None) else "not verified", message)
+        (claim["id"], claim["form"], claim["status"] if code == PROVEN else "not verified", message)
         for claim, (code, message) in zip(certificate["claims"], outcomes, strict=False)
     )
-    for wanted in (REFUTED, MISMATCH, UNDECIDED):
-        for code, message in outcomes:
-            if code == wanted:
-                return Verdict(code, message, None, claims)
+    for code in (REFUTED, MISMATCH, UNDECIDED):
+        if message := next((message for found, message in outcomes if found == code), None):
+            return Verdict(code, message, None, claims)
     proven = sum(claim["status"] == "proven" for claim in certificate["claims"])
     omega_b = decimal(certificate["bandwidth"]["proven"])
     return Verdict(PROVEN, f"ω_B ≥ {omega_b} rad/s  {proven} claims", omega_b, claims)
@@ -71,15 +65,14 @@ def check_bytes(data: bytes, *, time_limit: float = 60.0) -> Verdict:
 
 def decimal(value: Fraction) -> str:
     """Six significant digits, rounded down."""
-    context = Context(prec=6, rounding=ROUND_FLOOR)
-    rounded = context.divide(Decimal(value.numerator), Decimal(value.denominator))
-    text = format(rounded, "f")
+    quotient = Context(prec=6, rounding=ROUND_FLOOR).divide(Decimal(value.numerator), Decimal(value.denominator))
+    text = format(quotient, "f")
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
-def _outcome(step: Callable[[], str]) -> tuple[int, str]:
+def _outcome(step: Callable[..., str], *arguments: Any) -> tuple[int, str]:
     try:
-        return PROVEN, step()
+        return PROVEN, step(*arguments)
     except tuple(EXIT_CODES) as error:
         return EXIT_CODES[type(error)], str(error)
 
@@ -138,17 +131,15 @@ def _refute(spec: dict[str, Any], claim: dict[str, Any], model: Joint, query: Ca
     if v < 0 and (claim["id"], claim["form"]) not in SIGNED:
         raise FalseClaimError("refuted_at.value: negative")
     if claim["status"] == "refuted" and limit is not None and v != limit:
-        raise FalseClaimError(f"refuted_at.value: is not the required {limit}")
+        raise FalseClaimError("refuted_at.value: is not the required one")
     if load is not None and not _member(model, load, spec):
         raise FalseClaimError("refuted_at.load: is not in the box")
     hurwitz = claim["form"] == "hurwitz"
     if hurwitz != (witness["omega"] is None):
         raise FalseClaimError("refuted_at.omega: does not fit the claim")
     omega = None if hurwitz else witness["omega"][0]
-    if claim["id"] == "bandwidth":
-        if omega != v:
-            raise FalseClaimError("refuted_at.omega: is not the refuted bandwidth")
-    elif not hurwitz and not _inside(omega, claim["interval"]):
+    lo, hi = (v, v) if claim["id"] == "bandwidth" else claim["interval"]
+    if not hurwitz and not (hi is None if omega is None else lo <= omega and (hi is None or omega <= hi)):
         raise FalseClaimError("refuted_at.omega: is outside the interval")
     unclear = False
     for part in STATEMENTS[claim["id"]][1](query(v, load)):
@@ -167,11 +158,6 @@ def _member(model: Joint, load: Load, spec: dict[str, Any]) -> bool:
     if model.box is None:
         return load == tuple(spec["plant"].values())
     return all(lo <= part <= hi for part, (lo, hi) in zip(load, model.box, strict=True))
-
-
-def _inside(omega: Fraction | None, interval: tuple[Fraction, Fraction | None]) -> bool:
-    lo, hi = interval
-    return hi is None if omega is None else lo <= omega and (hi is None or omega <= hi)
 
 
 def _omega(x: Point | None) -> str:

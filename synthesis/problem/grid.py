@@ -75,11 +75,29 @@ class Evaluator:
             left = left + 0 * self.omega
             return (right - left) if inequality.role is Role.FLOOR else (right - left) / (np.abs(right) + np.abs(left))
 
+    def levels(self, inequality: Inequality, X: dict[Variable, RationalFunction]) -> NDArray[np.float64]:
+        """The level v at which the inequality is an equality at each ω. Returns (n,); not for the gain W/(1−W)."""
+        at = cache(lambda r: r.at(self.omega))
+        W, value = self.radius(inequality.source), at(X[inequality.variable])
+        with np.errstate(all="ignore"):
+            if inequality.role is Role.CEILING:
+                left, right = inequality.sides(1.0, W, value, at)
+                return np.asarray(left / right)
+            rest, right = inequality.sides(0.0, W, value, at)
+            if inequality.role is Role.FLOOR:
+                return np.asarray(right - rest)
+            whole, _ = inequality.sides(1.0, W, value, at)
+            return np.asarray((right - rest) / (whole - rest))
+
+    def inside(self, constraint: Constraint) -> NDArray[np.bool_]:
+        """Which grid points lie in a constraint's interval. Returns (n,)."""
+        low, high = constraint.band
+        return (self.omega >= float(low)) & (self.omega <= (np.inf if high is None else float(high)))
+
     def worst(self, constraint: Constraint, v: float, X: dict[Variable, RationalFunction]) -> tuple[float, float, int]:
         """Smallest slack of a constraint: (slack, ω, index of the inequality)."""
-        low, high = float(constraint.band[0]), constraint.band[1]
-        inside = (self.omega >= low) & (self.omega <= (np.inf if high is None else float(high)))
-        best = (np.inf, float(self.omega[inside][0]) if inside.any() else low, 0)
+        inside = self.inside(constraint)
+        best = (np.inf, float(self.omega[inside][0]) if inside.any() else float(constraint.band[0]), 0)
         for index, inequality in enumerate(constraint.inequalities):
             slack = np.where(inside, self.slack(inequality, v, X), np.inf)
             slack = np.where(np.isnan(slack), -np.inf, slack)

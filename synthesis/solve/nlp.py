@@ -18,7 +18,7 @@ from ...models.closed_loop import Pencil
 from ...models.rational import RationalFunction, to_float
 from ..problem.constraints import constraints
 from ..problem.constraints.inequality import Constraint, Inequality, Role, Source, Variable
-from ..problem.grid import Evaluator
+from ..problem.grid import Evaluator, grid
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
 from .split import Split
@@ -27,7 +27,6 @@ from .structure import Coefficients, Structure, convolve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-BAND_POINTS = 30
 FIRST_BACK_OFF = 1e-5
 BACK_OFF_GROWTH = 2.0
 LEAST_ROUTH = 1e-6  # first-column entries of Routh's table, in normalised frequency
@@ -35,10 +34,11 @@ IPOPT = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "print_time": 0,
-    "ipopt.max_iter": 250,
+    "ipopt.max_iter": 200,
     "ipopt.tol": 1e-6,
-    "ipopt.mu_strategy": "adaptive",
 }
+EXPLORING = {"ipopt.mu_strategy": "adaptive"}
+REFINING = {"ipopt.mu_init": 1e-5, "ipopt.bound_push": 1e-8, "ipopt.bound_frac": 1e-8}  # stay near the start
 
 
 @dataclass(frozen=True)
@@ -47,12 +47,13 @@ class Grids:
 
     omega: NDArray[np.float64]
     band: NDArray[np.float64]
-    back_off: float
+    back_off: float = FIRST_BACK_OFF
 
     @classmethod
-    def of(cls, omega: NDArray[np.float64]) -> Grids:
-        """The grids a search starts with."""
-        return cls(omega, np.concatenate([[1e-4], np.linspace(0.03, 1, BAND_POINTS)]), FIRST_BACK_OFF)
+    def of(cls, setting: Setting, omega_0: float, spread: int, dense: int, band: int) -> Grids:
+        """`spread` points over everything, `dense` ones around omega_0 [rad/s], `band` ones on [0, ω_B]."""
+        fractions = np.concatenate([[1e-4], np.linspace(0.03, 1, band)])
+        return cls(grid(setting, around=omega_0, spread=spread, dense=dense), fractions)
 
     def refined(self, omega: Sequence[float], band: Sequence[float]) -> Grids:
         """With further points, each with two neighbours, and a larger slack."""
@@ -94,7 +95,9 @@ def _column(a: Any) -> Any:
 class Program:
     """The NLP of one setting and structure on given grids. omega_0 [rad/s] normalises s."""
 
-    def __init__(self, setting: Setting, structure: Structure, grids: Grids, omega_0: float) -> None:
+    def __init__(
+        self, setting: Setting, structure: Structure, grids: Grids, omega_0: float, *, refining: bool = False
+    ) -> None:
         self.setting, self.structure, self.omega_0 = setting, structure, omega_0
         self.evaluator = Evaluator(setting, grids.omega)
         low, high = structure.bounds
@@ -114,7 +117,13 @@ class Program:
             "ubg": np.full(least.size, np.inf),
         }
         nlp = {"x": ca.vertcat(x, log_band), "f": -log_band, "g": g}
-        self.solver = ca.nlpsol("synthesis", "ipopt", nlp, IPOPT)
+        self.solver = ca.nlpsol("synthesis", "ipopt", nlp, IPOPT | (REFINING if refining else EXPLORING))
+        self.slack = ca.Function("slack", [nlp["x"]], [g - ca.DM(least)])
+
+    def violation(self, x: NDArray[np.float64], omega_B: float) -> float:
+        """Worst shortfall of any inequality at a start: how far the search begins from feasible."""
+        slack = np.array(self.slack(np.append(x, np.log(omega_B / self.omega_0)))).ravel()
+        return float(np.max(-slack)) if np.all(np.isfinite(slack)) else np.inf
 
     def solve(self, x: NDArray[np.float64], omega_B: float) -> Candidate | None:
         """Search from one start. Returns None when the solver does not end at a point it calls feasible."""

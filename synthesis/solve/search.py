@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from ..problem.grid import grid
+from ..errors import UndecidedError
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
 from .nlp import Candidate, Grids, Program
@@ -17,8 +18,14 @@ from .structure import Structure, structure_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+DRAWN = 300  # random points; of those without a simpler structure to start from, the nearest to feasible are used
 STARTS = 12
-AGREE = 3  # stop when this many starts end at the same best figure
+FIRST_STARTS = 30
+AGREE = 5  # stop when this many starts end at the same best figure
+REFINED = 8  # distinct optima of the coarse grid that are carried to the fine one
+EXTENDED = 3  # of them, how many the next larger structure starts from
+COARSE = {"spread": 14, "dense": 20, "band": 10}
+FINE = {"spread": 40, "dense": 60, "band": 30}
 ROUNDS = 10
 REACHED = 0.9995  # of the program's ω_B: what the proof has to reach
 
@@ -53,37 +60,62 @@ class Search:
     omega_0: float
     progress: Progress
     seed: int = 0
+    deadline: float | None = None  # of time.monotonic()
 
     def run(self) -> Found | None:
         """Best controller of the specified structure that survives the proof; None when the search finds none."""
         structure = structure_of(self.setting.spec)
-        grids = Grids.of(grid(self.setting, around=self.omega_0, spread=40, dense=60))
-        for candidate in self._candidates(structure, grids, np.random.default_rng(self.seed)):
+        coarse = self._candidates(structure, np.random.default_rng(self.seed))
+        grids = Grids.of(self.setting, self.omega_0, **FINE)
+        program = Program(self.setting, structure, grids, self.omega_0, refining=True)
+        refined = self._solve_all(program, [(c.x, 0.99 * c.omega_B) for c in coarse])
+        for candidate in _distinct(refined):
             found = self._prove(structure, candidate, grids)
             if found is not None:
                 return found
         return None
 
-    def _candidates(self, structure: Structure, grids: Grids, rng: np.random.Generator) -> list[Candidate]:
-        """Distinct optima, best first: from the simpler structure's, and from random starts where those give none."""
+    def _candidates(self, structure: Structure, rng: np.random.Generator) -> list[Candidate]:
+        """Distinct optima on the coarse grid, best first: from the simpler structure's, and from random starts where
+        those give none."""
         found: list[Candidate] = []
-        program = Program(self.setting, structure, grids, self.omega_0)
+        program = Program(self.setting, structure, Grids.of(self.setting, self.omega_0, **COARSE), self.omega_0)
         if structure.simpler is not None:
-            below = self._candidates(structure.simpler, grids, rng)[:2]
+            below = self._candidates(structure.simpler, rng)[:EXTENDED]
             self.progress(f"searching {structure}")
             each = STARTS // max(1, len(below))
-            found = _solve_all(
-                program, [(structure.extended(c.x, rng), 0.95 * c.omega_B) for c in below for _ in range(each)]
-            )
+            starts = [(structure.extended(c.x, rng), 0.95 * c.omega_B) for c in below for _ in range(each)]
+            found = self._solve_all(program, starts)
         if not found:
             self.progress(f"searching {structure} from random starts")
-            found = _solve_all(program, [(structure.start(rng), 0.1 * self.omega_0) for _ in range(2 * STARTS)])
-        return _distinct(found)
+            omega_B = 0.1 * self.omega_0
+            drawn = [structure.start(rng) for _ in range(DRAWN)]
+            drawn.sort(key=lambda x: program.violation(x, omega_B))
+            found = self._solve_all(program, [(x, omega_B) for x in drawn[:FIRST_STARTS]])
+        return _distinct(found)[:REFINED]
+
+    def _solve_all(self, program: Program, starts: list[tuple[NDArray[np.float64], float]]) -> list[Candidate]:
+        """Solve from every start, or until several agree on the best."""
+        found: list[Candidate] = []
+        for x, omega_B in starts:
+            self._in_time()
+            candidate = program.solve(x, omega_B)
+            if candidate is not None:
+                found.append(candidate)
+            best = max((c.omega_B for c in found), default=0.0)
+            if sum(c.omega_B > 0.999 * best for c in found) >= AGREE:
+                break
+        return found
+
+    def _in_time(self) -> None:
+        if self.deadline is not None and time.monotonic() > self.deadline:
+            raise UndecidedError("out of time: no controller was proven within the time limit")
 
     def _prove(self, structure: Structure, candidate: Candidate, grids: Grids) -> Found | None:
         """Counterexample loop: each refuting frequency joins the grid with neighbours, and the slack asked for grows."""
         total = 0
         for rounds in range(1, ROUNDS + 1):
+            self._in_time()
             refuting = self.refute(candidate.coefficients, REACHED * candidate.omega_B)
             if not refuting:
                 return Found(candidate, rounds, total)
@@ -94,23 +126,12 @@ class Search:
                 [c.omega for c in refuting if not c.on_band and 0 < c.omega < np.inf],
                 [c.omega / candidate.omega_B for c in refuting if c.on_band],
             )
-            again = Program(self.setting, structure, grids, self.omega_0).solve(candidate.x, candidate.omega_B)
+            program = Program(self.setting, structure, grids, self.omega_0, refining=True)
+            again = program.solve(candidate.x, candidate.omega_B)
             if again is None:
                 return None
             candidate = again
         return None
-
-
-def _solve_all(program: Program, starts: list[tuple[NDArray[np.float64], float]]) -> list[Candidate]:
-    found: list[Candidate] = []
-    for x, omega_B in starts:
-        candidate = program.solve(x, omega_B)
-        if candidate is not None:
-            found.append(candidate)
-        best = max((c.omega_B for c in found), default=0.0)
-        if sum(c.omega_B > 0.999 * best for c in found) >= AGREE:
-            break
-    return found
 
 
 def _distinct(candidates: list[Candidate]) -> list[Candidate]:

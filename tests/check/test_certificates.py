@@ -86,7 +86,7 @@ UNREADABLE: dict[str, tuple[Callable[[], bytes], str]] = {
     "decimal": (in_spec("plant", "damping", value="0.2"), "not a canonical number"),
     "many digits": (in_spec("plant", "damping", value="1" * 2001), "more than 2000 digits"),
     "negative inertia": (in_spec("plant", "inertia", value="-1"), "spec.plant.inertia: must be positive"),
-    "negative damping": (in_spec("impedance", "damping", value="-1"), "impedance.damping: negative"),
+    "negative damping": (in_spec("impedance", "damping", value="-1"), "impedance.damping: must not be negative"),
     "box off nominal": (in_spec("uncertainty", "box", "inertia", value=["1", "2"]), "nominal"),
     "box reversed": (in_spec("uncertainty", "box", "inertia", value=["2", "1"]), "[low, high]"),
     "no actuator": (in_spec("actuator", value={"type": "hydraulic"}), "actuator.type"),
@@ -187,6 +187,7 @@ FALSE: dict[str, Callable[[], bytes]] = {
     "peak lowered": raised("peak", 0.99),
     "bandwidth raised": edited(wider_bandwidth),
     "controller digit": edited(lambda c: c.update(controller=dob(["2900"], ["1", "283/4", "2500"]))),
+    "negative peak": entry("peak", margin="-2"),
     "negative factor": edited(lambda c: c["claims"].append(claim("eq12", "paper", ["1", "2"], "-9", False))),
     "friction at zero": edited(
         lambda c: c["claims"].append(claim("friction", "strictly-positive-real", ["0", "inf"], "0", False))
@@ -258,6 +259,18 @@ def test_undecided_is_5_if_required_and_said_if_not() -> None:
     optional = claim("eq12", "disc", ["1", "2"], None, False, status="undecided")
     verdict = check_bytes(edited(lambda c: c["claims"].append(optional))())
     assert verdict.exit_code == 0 and "7 claims" in verdict.message and verdict.claims[-1][2] == "undecided"
+
+
+def test_the_interpreters_own_digit_limit_is_respected() -> None:
+    long = in_spec("constraints", "peak", value="2" + "0" * 999)()
+    assert check_bytes(long).exit_code == 0
+    before = sys.get_int_max_str_digits()
+    sys.set_int_max_str_digits(640)
+    try:
+        verdict = check_bytes(long)
+    finally:
+        sys.set_int_max_str_digits(before)
+    assert verdict.exit_code == 2 and "more digits than this Python accepts" in verdict.message
 
 
 def test_a_time_limit_is_5() -> None:

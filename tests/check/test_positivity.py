@@ -150,6 +150,9 @@ def test_common_powers_of_x_are_compared_by_leading_coefficients() -> None:
         return decide(Inequality(((Poly.of(0, 1),),), (Poly.of(0, low, 1),), True), ZERO_X, (1, 1), clock()).status
 
     assert truth(Fraction(2)) == "proven" and truth(Fraction(1)) == "refuted"
+    falling = (Poly.of(1),)  # 1/(1 + x) > 0 multiplied by 1 + x: zero at infinity
+    assert decide(Inequality((), falling, True, Poly.of(1, 1)), ZERO_X, INF, clock()).status == "refuted"
+    assert decide(Inequality((), falling, True), ZERO_X, INF, clock()).status == "proven"
     assert decide(Inequality((), (ZERO,), True), ZERO_X, INF, clock()).status == "refuted"
     assert decide(Inequality((), (ZERO,), False), ZERO_X, INF, clock()).status == "proven"
 

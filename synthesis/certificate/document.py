@@ -1,0 +1,107 @@
+"""The certificate file: exact text for every number, digests against accidents. Format 1; see synthesis/check/README.md."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from hashlib import sha256
+from typing import Any
+
+from ...models.controller import Compensator
+from ...models.rational import descending, fraction
+from ..problem.setting import Setting
+from ..spec import canonical, canonical_json, number_text, spec_sha256
+from ..spec.model import Polynomials
+from .claims import Claim, Refutation
+from .outcome import Outcome
+
+FORMAT = 1
+ASSUMPTIONS = (
+    "the joint obeys (1) and, with a series-elastic actuator, (13) with motor damping: linear and time-invariant",
+    "the controller runs in continuous time with exactly the coefficients printed here",
+    "torques stay within the actuator's limits",
+)
+NOT_CLAIMED = (
+    "bandwidth.bound is a solver's figure on a frequency grid",
+    "sampling, computation delay, quantisation and saturation",
+    "stability of loads outside the stated uncertainty",
+)
+
+
+def document(
+    setting: Setting,
+    coefficients: Polynomials,
+    claims: tuple[Claim, ...],
+    *,
+    bound: Fraction | None,
+    producer: dict[str, str],
+) -> dict[str, Any]:
+    """The certificate of one controller as the JSON object that is written."""
+    band = next(claim for claim in claims if claim.id == "bandwidth")
+    body: dict[str, Any] = {
+        "robimp_certificate": FORMAT,
+        "spec": canonical(setting.spec),
+        "spec_sha256": spec_sha256(setting.spec),
+        "controller": _controller(setting, coefficients),
+        "bandwidth": {
+            "proven": number_text(band.margin or Fraction(0)),
+            "refuted_at": None if band.refuted_at is None else number_text(band.refuted_at.value),
+            "bound": None if bound is None else number_text(bound),
+        },
+        "claims": [_claim(claim) for claim in claims],
+        "assumptions": list(ASSUMPTIONS),
+        "not_claimed": list(NOT_CLAIMED),
+        "producer": producer,
+    }
+    digest = sha256(canonical_json(body)).hexdigest()
+    return {**body, "end": {"claims": len(claims), "body_sha256": digest}}
+
+
+def _controller(setting: Setting, coefficients: Polynomials) -> dict[str, Any]:
+    C: Compensator = setting.compensator(coefficients)
+    written = {"type": setting.spec.controller.type}
+    if setting.spec.controller.type == "dob":
+        written["Q"] = _polynomials(coefficients.numerator, coefficients.denominator)
+    written["C"] = _polynomials(descending(C.num), descending(C.den))
+    return written
+
+
+def _polynomials(numerator: tuple[Fraction, ...], denominator: tuple[Fraction, ...]) -> Any:
+    return {"numerator": [number_text(c) for c in numerator], "denominator": [number_text(c) for c in denominator]}
+
+
+def _claim(claim: Claim) -> dict[str, Any]:
+    low, high = claim.interval
+    return {
+        "id": claim.id,
+        "equation": claim.equation,
+        "form": claim.form,
+        "statement": claim.statement,
+        "interval": [number_text(low), "inf" if high is None else number_text(high)],
+        "uncertainty": claim.uncertainty,
+        "required": claim.required,
+        "status": claim.status.value,
+        "margin": None if claim.margin is None else number_text(claim.margin),
+        "refuted_at": None if claim.refuted_at is None else _refutation(claim.refuted_at),
+        "hints": {},
+    }
+
+
+def _refutation(refutation: Refutation) -> dict[str, Any]:
+    witness = refutation.witness
+    omega = load = None
+    if witness is not None:
+        omega = "inf" if witness.omega is None else number_text(witness.omega)
+        if witness.load is not None:
+            load = {
+                name: number_text(fraction(getattr(witness.load, name))) for name in ("inertia", "damping", "stiffness")
+            }
+    return {"value": number_text(refutation.value), "omega": omega, "load": load}
+
+
+def verdict(claims: tuple[Claim, ...]) -> Outcome:
+    """Refuted if a required claim is, undecided if one is, proven otherwise."""
+    statuses = {claim.status for claim in claims if claim.required}
+    for status in (Outcome.REFUTED, Outcome.UNDECIDED):
+        if status in statuses:
+            return status
+    return Outcome.PROVEN

@@ -1,0 +1,170 @@
+"""Spec → Problem → Candidate → Certificate → Verdict, with the simulation beside it: the stations in order."""
+
+from __future__ import annotations
+
+import json
+import platform
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+from ..models.controller import Compensator
+from .agreement import Agreement, compare
+from .certificate.claims import Claim, certify, counterexamples
+from .certificate.document import document, verdict
+from .certificate.outcome import Outcome
+from .check import check_bytes
+from .errors import ExitCode, InfeasibleError, InputError, RobimpError, UndecidedError
+from .problem.grid import frequency_scale
+from .problem.setting import Setting
+from .simulation import SampledComparison, Trials, sampled_comparison, verify
+from .spec.model import Polynomials, Spec
+
+if TYPE_CHECKING:
+    from .solve.bound import Bound
+
+Progress = Callable[[str], None]
+
+BOUND_TERMS = 40
+SAMPLING_RATE = 1000.0  # Hz; what the information about sampling is shown for
+VERDICT_CODE = {
+    Outcome.PROVEN: ExitCode.PROVEN,
+    Outcome.REFUTED: ExitCode.REFUTED,
+    Outcome.UNDECIDED: ExitCode.UNDECIDED,
+}
+
+
+@dataclass(frozen=True)
+class Result:
+    """A certified controller: what was found, what was proven, what the simulation saw."""
+
+    spec: Spec
+    coefficients: Polynomials
+    claims: tuple[Claim, ...]
+    bound: Bound | None
+    certificate: dict[str, Any]
+    trials: Trials
+    agreement: Agreement
+    sampled: SampledComparison
+    seconds: float
+
+    @property
+    def outcome(self) -> Outcome:
+        """Whether everything the specification requires is proven."""
+        return verdict(self.claims)
+
+    @property
+    def exit_code(self) -> ExitCode:
+        """The process exit code of this outcome."""
+        return VERDICT_CODE[self.outcome]
+
+    @property
+    def omega_B(self) -> Fraction:
+        """Proven bandwidth [rad/s]."""
+        return next(claim.margin for claim in self.claims if claim.id == "bandwidth") or Fraction(0)
+
+    def certificate_bytes(self) -> bytes:
+        """The certificate file's content."""
+        return (json.dumps(self.certificate, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: float | None = None) -> Result:
+    """Find (or take) a controller, prove every claim about it, have the proof re-checked, and simulate it.
+
+    time_limit [s] bounds the search. Raises: InfeasibleError with the constraint and frequency; UndecidedError when the
+    search ends without a proven controller; InputError for a controller that cannot be realized; RobimpError when
+    prover, checker and simulation disagree.
+    """
+    began = time.monotonic()
+    setting = setting_of(spec)
+    if spec.controller.coefficients is None:
+        coefficients, limit = _search(setting, progress, None if time_limit is None else began + time_limit)
+    else:
+        coefficients, limit = spec.controller.coefficients, None
+    C = realizable(setting, coefficients)
+    progress("proving every claim on the whole axis")
+    claims = certify(setting, C)
+    bound = None if limit is None else Fraction(f"{limit.omega_B:.6g}")
+    certificate = document(setting, coefficients, claims, bound=bound, producer=_producer())
+    progress("re-checking the certificate independently")
+    _recheck(certificate, verdict(claims))
+    progress("simulating the physics")
+    compensator = (certificate["controller"]["C"]["numerator"], certificate["controller"]["C"]["denominator"])
+    numbers = tuple(tuple(Fraction(c) for c in part) for part in compensator)
+    trials = verify(spec, (numbers[0], numbers[1]), quick=True)
+    agreement = compare(setting, C, claims, trials)
+    if agreement.contradictions:
+        raise RobimpError(f"simulation and proof disagree, so nothing is certified: {agreement.contradictions[0]}")
+    sampled = sampled_comparison(spec, (numbers[0], numbers[1]), SAMPLING_RATE)
+    seconds = time.monotonic() - began
+    return Result(spec, coefficients, claims, limit, certificate, trials, agreement, sampled, seconds)
+
+
+def setting_of(spec: Spec) -> Setting:
+    """The models of a specification. Raises: InputError when they contradict each other."""
+    from .certificate.hurwitz import is_hurwitz
+
+    try:
+        setting = Setting.of(spec)
+    except (ValueError, ZeroDivisionError) as error:
+        raise InputError(str(error)) from error
+    weight = setting.uncertainty.weight
+    if weight is not None and not is_hurwitz(weight.den):
+        raise InputError("uncertainty.weight must be stable: its denominator has a root with Re s ≥ 0")
+    return setting
+
+
+def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
+    """The compensator of given coefficients. Raises: InputError for Q = 1 or an algebraic loop `1 + HCF(∞) = 0`."""
+    try:
+        C = setting.compensator(coefficients)
+        setting.loop.Q_tilde(C)
+    except (ValueError, ZeroDivisionError) as error:
+        raise InputError(f"controller.coefficients: {error}") from error
+    L = setting.loop.L(C)
+    if L.relative_degree == 0 and L.num.leading_coefficient() == -L.den.leading_coefficient():
+        raise InputError("controller.coefficients: algebraic loop, 1 + HCF vanishes at infinite frequency")
+    return C
+
+
+def _search(setting: Setting, progress: Progress, deadline: float | None) -> tuple[Polynomials, Bound | None]:
+    from .solve.bound import bound
+    from .solve.infeasible import impossible
+    from .solve.search import Search
+
+    reason = impossible(setting)
+    if reason is not None:
+        raise InfeasibleError(str(reason))
+    progress(f"bound: convex program with {BOUND_TERMS} terms")
+    limit = bound(setting, BOUND_TERMS)
+    low, high = frequency_scale(setting)
+    expected = limit.omega_B if limit is not None else (low * high) ** 0.5
+    search = Search(
+        setting,
+        lambda c, omega_B: counterexamples(setting, setting.compensator(c), omega_B),
+        expected,
+        progress,
+        deadline=deadline,
+    )
+    found = search.run()
+    if found is None:
+        hint = "even the convex bound finds none" if limit is None else f"the bound is {limit.omega_B:.4g} rad/s"
+        raise UndecidedError(
+            f"no controller of this structure was found that can be proven ({hint}); "
+            "try another order, a smaller uncertainty, more damping in the impedance, or a larger attenuation"
+        )
+    return found.candidate.coefficients, limit
+
+
+def _recheck(certificate: dict[str, Any], outcome: Outcome) -> None:
+    second = check_bytes(json.dumps(certificate).encode())
+    if second.exit_code != VERDICT_CODE[outcome]:
+        raise RobimpError(f"prover says {outcome.value}, the independent checker says: {second.message}")
+
+
+def _producer() -> dict[str, str]:
+    packages = {name: version(name) for name in ("python-flint", "casadi", "cvxpy", "clarabel", "numpy")}
+    return {"robimp": version("robimp"), "python": platform.python_version(), **packages}
