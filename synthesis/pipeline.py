@@ -17,7 +17,7 @@ from .certificate.claims import Claim, certify, counterexamples
 from .certificate.document import document, verdict
 from .certificate.outcome import Outcome
 from .check import check_bytes
-from .errors import ExitCode, InfeasibleError, InputError, RobimpError, UndecidedError
+from .errors import ExitCode, InputError, RobimpError, UndecidedError
 from .problem.grid import frequency_scale
 from .problem.setting import Setting
 from .simulation import SampledComparison, Trials, sampled_comparison, verify
@@ -137,7 +137,7 @@ def _search(setting: Setting, progress: Progress, deadline: float | None) -> tup
 
     reason = impossible(setting)
     if reason is not None:
-        raise InfeasibleError(str(reason))
+        raise reason.error()
     progress(f"bound: convex program with {BOUND_TERMS} terms")
     limit = bound(setting, BOUND_TERMS)
     low, high = frequency_scale(setting)

@@ -11,6 +11,7 @@ import numpy as np
 from flint import fmpq
 
 from ...models.rational import RationalFunction, to_float
+from ..errors import InfeasibleError
 from ..problem.constraints import constraints
 from ..problem.constraints.inequality import Affine, Constraint, Gain, Inequality
 from ..problem.grid import Evaluator, frequency_scale
@@ -30,6 +31,10 @@ class Impossible:
         place = "ω → 0" if self.omega == 0 else f"ω = {self.omega:.4g} rad/s"
         excess = "its right side vanishes" if np.isinf(self.ratio) else f"left/right ≥ {self.ratio:.4g} (must be < 1)"
         return f"{c.equation} {c.form} cannot hold at {place} for any Q: {excess}; {c.remedy}"
+
+    def error(self) -> InfeasibleError:
+        """The error to raise for it."""
+        return InfeasibleError(str(self))
 
 
 def impossible(setting: Setting) -> Impossible | None:

@@ -1,0 +1,114 @@
+"""The result on a terminal: a table of claims, honest colours, plain text when piped."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.table import Table
+
+from ..certificate.claims import Claim
+from ..certificate.outcome import Outcome
+
+if TYPE_CHECKING:
+    from ..pipeline import Result
+    from ..solve.bound import Bound
+
+COLOUR = {Outcome.PROVEN: "green", Outcome.REFUTED: "red", Outcome.UNDECIDED: "yellow"}
+UNIT = {
+    "hurwitz": "decay ≥ {} /s",
+    "structured": "{} N·m·s/rad to spare",
+    "disc": "{} N·m·s/rad to spare",
+    "strictly-positive-real": "{} N·m·s/rad to spare",
+    "attenuation": "ω_B ≥ {} rad/s",
+    "sensitivity": "peak ≤ {}",
+    "every-load": "error ≤ {}",
+}
+
+
+def show(result: Result, console: Console) -> None:
+    """The verdict, the claims, what the simulation saw, and the controller."""
+    colour = COLOUR[result.outcome]
+    console.print(f"[bold {colour}]{result.outcome.name}[/]  {result.spec.name}  {_headline(result)}")
+    console.print(_controller(result))
+    console.print(claims_table(result.claims, result.spec.motion))
+    agreement, sampled = result.agreement, result.sampled
+    console.print(
+        f"simulation: {len(result.trials.trials)} trials agree; measured Z within {agreement.impedance_error:.1g} of (★), "
+        f"lowest port energy {agreement.lowest_energy:.1g} of the largest"
+    )
+    if sampled.rms_difference is not None and sampled.rms_theta:
+        effect = f"changes the step response by {100 * sampled.rms_difference / sampled.rms_theta:.2g} % rms"
+    else:
+        effect = "is unstable" if not sampled.stable else "cannot be compared: the continuous loop is unstable"
+    console.print(f"for information, not certified: sampled at {sampled.rate:g} Hz the controller {effect}")
+
+
+def _headline(result: Result) -> str:
+    bound = "" if result.bound is None else f", bound {result.bound.omega_B:.4g}"
+    return f"ω_B ≥ {decimal(result.omega_B)} rad/s{bound}, in {result.seconds:.1f} s"
+
+
+def _controller(result: Result) -> str:
+    name = "Q" if result.spec.controller.type == "dob" else "C_imp"
+    return (
+        f"{name}(s) = ({_polynomial(result.coefficients.numerator)}) / ({_polynomial(result.coefficients.denominator)})"
+    )
+
+
+def _polynomial(coefficients: tuple[Fraction, ...]) -> str:
+    terms = []
+    for power, c in zip(range(len(coefficients) - 1, -1, -1), coefficients, strict=True):
+        if c:
+            s = {0: "", 1: " s"}.get(power, f" s^{power}")
+            terms.append(s.strip() if c == 1 and power else f"{float(c):.6g}{s}")
+    return " + ".join(terms).replace("+ -", "− ")
+
+
+def claims_table(claims: tuple[Claim, ...], motion: str) -> Table:
+    """One row per claim: what it is, on which interval, its status, the margin and where the next level fails."""
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for heading in ("claim", "form", "on ω [rad/s]", "status", "proven margin", "next level fails at"):
+        table.add_column(heading)
+    for claim in claims:
+        low, high = claim.interval
+        span = f"[{decimal(low)}, {'∞' if high is None else decimal(high)}]"
+        colour = COLOUR[claim.status] if claim.required else "dim"
+        status = f"[{colour}]{claim.status.value}[/]" + ("" if claim.required else " (reported)")
+        table.add_row(claim.id, claim.form, span, status, _margin(claim, motion), _failure(claim))
+    return table
+
+
+def _margin(claim: Claim, motion: str) -> str:
+    if claim.margin is None:
+        return ""
+    unit = UNIT.get(claim.form, "holds for {} × W")
+    if motion == "linear":
+        unit = unit.replace("N·m·s/rad", "N·s/m")
+    return unit.format(decimal(claim.margin))
+
+
+def _failure(claim: Claim) -> str:
+    if claim.refuted_at is None:
+        return ""
+    witness = claim.refuted_at.witness
+    if witness is None:
+        return decimal(claim.refuted_at.value)
+    where = "∞" if witness.omega is None else decimal(witness.omega)
+    return f"{decimal(claim.refuted_at.value)} at {where} rad/s"
+
+
+def decimal(value: Fraction) -> str:
+    """A short decimal for reading; exact text is in the certificate."""
+    return f"{float(value):.5g}"
+
+
+def show_bound(limit: Bound, console: Console) -> None:
+    """The bound, what binds where, and what it leaves out."""
+    console.print(f"[bold]bound[/]  ω_B ≤ {limit.omega_B:.4g} rad/s with {limit.terms} terms (pole {limit.pole:.4g} rad/s)")
+    for name, omega in limit.binding:
+        console.print(f"  {name} binds, most at {omega:.4g} rad/s")
+    if limit.dropped:
+        console.print(f"  left out, as not convex in Q̃ (this can only raise the figure): {', '.join(limit.dropped)}")
+    console.print("a solver's figure on a frequency grid, not a proof")
