@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from flint import fmpq, fmpq_poly
 
 from .impedance import DynamicStiffness
-from .rational import ONE, S, RationalFunction, Scalar, exact
+from .rational import ONE, RationalFunction, S, Scalar, exact
 
 
 @dataclass(frozen=True)

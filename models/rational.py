@@ -1,4 +1,4 @@
-"""Exact rational functions of s: the one number type of the models. `control` objects at the edges, rationals inside."""
+"""Exact rational functions of s, the number type of the models; `control` objects at the edges."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from numbers import Rational
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq, fmpq_poly
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import control
     from numpy.typing import NDArray
 
-Scalar = Union[int, float, str, Rational, fmpq]
+Scalar = int | float | str | Rational | fmpq
 
 
 def exact(value: Scalar) -> fmpq:
@@ -151,7 +151,7 @@ class RationalFunction:
         return int(self.den.degree() - self.num.degree())
 
 
-Operand = Union[RationalFunction, fmpq_poly, Scalar]
+Operand = RationalFunction | fmpq_poly | Scalar
 
 ONE = RationalFunction(fmpq_poly([1]), fmpq_poly([1]))
 ZERO = RationalFunction(fmpq_poly([0]), fmpq_poly([1]))

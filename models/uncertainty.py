@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -87,6 +87,6 @@ class Uncertainty:
         return box + weight + box * weight
 
 
-def _at(load: DynamicStiffness, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _at(load: DynamicStiffness, s: NDArray[Any]) -> NDArray[Any]:
     inertia, damping, stiffness = (to_float(v) for v in (load.inertia, load.damping, load.stiffness))
     return inertia * s**2 + damping * s + stiffness

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 app = typer.Typer(
     name="robimp",
     help="Robust impedance controllers with the largest bandwidth that can be proven.",
-    epilog="Exit codes: 0 proven, 1 internal error, 2 unusable input, 3 infeasible, 4 refuted, 5 undecided, 6 mismatch.",
+    epilog="Exit codes: 0 proven, 1 internal error, 2 bad input, 3 infeasible, 4 refuted, 5 undecided, 6 mismatch.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -72,13 +72,13 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, a
     write_atomic(folder / "simulation.json", _dumped(_simulation(result)).encode())
     write_atomic(folder / "certificate.json", result.certificate_bytes())
     if as_json:
-        print(_dumped({"file": str(folder / "certificate.json"), "exit_code": int(result.exit_code), **_summary(result)}))
+        print(
+            _dumped({"file": str(folder / "certificate.json"), "exit_code": int(result.exit_code), **_summary(result)})
+        )
         return result.exit_code
-    from rich.console import Console
+    from .report.terminal import console, show
 
-    from .report.terminal import show
-
-    show(result, Console(soft_wrap=not sys.stdout.isatty(), highlight=False))
+    show(result, console())
     print(f"certificate: {folder / 'certificate.json'}")
     return result.exit_code
 
@@ -86,7 +86,9 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, a
 @app.command()
 def check(
     certificates: Annotated[list[Path], typer.Argument(metavar="CERT...", help="Certificate files (JSON).")],
-    spec: Annotated[Path | None, typer.Option(metavar="SPEC", help="Also demand that it is this specification's.")] = None,
+    spec: Annotated[
+        Path | None, typer.Option(metavar="SPEC", help="Also demand that it is this specification's.")
+    ] = None,
     time_limit: Annotated[float, typer.Option(metavar="SECONDS", min=0.01, help="For each certificate.")] = 60.0,
     as_json: Json = False,
 ) -> None:
@@ -137,8 +139,9 @@ def simulate(
     numerator, denominator = (tuple(map(Fraction, written[part])) for part in ("numerator", "denominator"))
     setting = setting_of(spec)
     C = realizable(setting, Polynomials(numerator=numerator, denominator=denominator))
-    compensator = tuple(map(Fraction, content["controller"]["C"]["numerator"])), tuple(
-        map(Fraction, content["controller"]["C"]["denominator"])
+    compensator = (
+        tuple(map(Fraction, content["controller"]["C"]["numerator"])),
+        tuple(map(Fraction, content["controller"]["C"]["denominator"])),
     )
     with _progress() as progress:
         trials = verify(spec, compensator, progress=progress)
@@ -148,7 +151,8 @@ def simulate(
         print(_dumped({"agrees": agrees, "contradictions": agreement.contradictions, **trials.to_json()}))
     elif agrees:
         print(
-            f"AGREES  {certificate}  {len(trials.trials)} trials, measured Z within {agreement.impedance_error:.1g} of (★)"
+            f"AGREES  {certificate}  {len(trials.trials)} trials, "
+            f"measured Z within {agreement.impedance_error:.1g} of (★)"
         )
     for contradiction in agreement.contradictions:
         print(f"{certificate}: contradicts: {contradiction}", file=sys.stderr)
@@ -183,11 +187,9 @@ def bound(
     if as_json:
         print(_dumped(asdict(limit)))
         return
-    from rich.console import Console
+    from .report.terminal import console, show_bound
 
-    from .report.terminal import show_bound
-
-    show_bound(limit, Console(soft_wrap=not sys.stdout.isatty(), highlight=False))
+    show_bound(limit, console())
 
 
 @app.command()
@@ -303,5 +305,3 @@ def _report(error: Exception) -> int:
         return int(ExitCode.INPUT)
     print(f"robimp: internal error: {type(error).__name__}: {error} (--debug shows where)", file=sys.stderr)
     return int(ExitCode.INTERNAL)
-
-

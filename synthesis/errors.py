@@ -1,11 +1,11 @@
 """Everything that can go wrong, and the exit code each outcome has.
 
-    RobimpError                    1  internal error
-    ├── InputError                 2  a file, line, column, key: what was expected and what to do
-    ├── InfeasibleError            3  no controller can: the constraint, the frequency, by how much
-    ├── RefutedError               4  a claim is false: its witness
-    ├── UndecidedError             5  neither proven nor refuted in the time given
-    └── MismatchError              6  certificate and specification do not belong together
+RobimpError                    1  internal error
+├── InputError                 2  a file, line, column, key: what was expected and what to do
+├── InfeasibleError            3  no controller can: the constraint, the frequency, by how much
+├── RefutedError               4  a claim is false: its witness
+├── UndecidedError             5  neither proven nor refuted in the time given
+└── MismatchError              6  certificate and specification do not belong together
 """
 
 from __future__ import annotations

@@ -23,9 +23,7 @@ def frequency_scale(setting: Setting) -> tuple[float, float]:
     polynomials += [load.polynomial for load in uncertainty.corners()]
     if uncertainty.weight is not None:
         polynomials += [uncertainty.weight.num, uncertainty.weight.den]
-    magnitudes = [
-        abs(complex(root)) for p in polynomials if p.degree() > 0 for root in np.roots(_descending(p))
-    ]
+    magnitudes = [abs(complex(root)) for p in polynomials if p.degree() > 0 for root in np.roots(_descending(p))]
     relevant = [m for m in magnitudes if np.isfinite(m) and m > 0]
     return (min(relevant), max(relevant)) if relevant else (1.0, 1.0)
 
@@ -73,7 +71,8 @@ class Evaluator:
         with np.errstate(all="ignore"):
             left, right = inequality.sides(v, self.radius(inequality.source), at(X[inequality.variable]), at)
             left = left + 0 * self.omega
-            return (right - left) if inequality.role is Role.FLOOR else (right - left) / (np.abs(right) + np.abs(left))
+            scale = 1.0 if inequality.role is Role.FLOOR else np.abs(right) + np.abs(left)
+            return np.asarray((right - left) / scale)
 
     def levels(self, inequality: Inequality, X: dict[Variable, RationalFunction]) -> NDArray[np.float64]:
         """The level v at which the inequality is an equality at each ω. Returns (n,); not for the gain W/(1−W)."""

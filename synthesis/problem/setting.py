@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flint import fmpq
+
 from ...models.actuator import IDEAL, SeriesElastic, TwoPort, torque_loop
 from ...models.closed_loop import ImpedanceLoop
 from ...models.controller import Compensator, Filters, disturbance_observer, dynamic_error_feedback, low_pass
 from ...models.impedance import DynamicStiffness, LoadBox
 from ...models.rational import ONE, RationalFunction, exact, polynomial
 from ...models.uncertainty import Uncertainty
-from ..spec.model import IdealActuator, Impedance, Interval, Plant, Polynomials, Spec
 from ..spec.model import Filters as FilterSpec
+from ..spec.model import IdealActuator, Impedance, Interval, Plant, Polynomials, Spec
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,7 @@ def rational(coefficients: Polynomials) -> RationalFunction:
     return RationalFunction.of(coefficients.numerator, coefficients.denominator)
 
 
-def _pair(interval: Interval) -> tuple[object, object]:
+def _pair(interval: Interval) -> tuple[fmpq, fmpq]:
     return exact(interval[0]), exact(interval[1])
 
 

@@ -27,22 +27,29 @@ UNIT = {
 }
 
 
-def show(result: Result, console: Console) -> None:
+def console() -> Console:
+    """A console that keeps a table's rows on one line each when the output is piped."""
+    plain = Console(highlight=False)
+    return plain if plain.is_terminal else Console(highlight=False, width=160)
+
+
+def show(result: Result, to: Console) -> None:
     """The verdict, the claims, what the simulation saw, and the controller."""
     colour = COLOUR[result.outcome]
-    console.print(f"[bold {colour}]{result.outcome.name}[/]  {result.spec.name}  {_headline(result)}")
-    console.print(_controller(result))
-    console.print(claims_table(result.claims, result.spec.motion))
+    to.print(f"[bold {colour}]{result.outcome.name}[/]  {result.spec.name}  {_headline(result)}")
+    to.print(_controller(result))
+    to.print(claims_table(result.claims, result.spec.motion))
     agreement, sampled = result.agreement, result.sampled
-    console.print(
-        f"simulation: {len(result.trials.trials)} trials agree; measured Z within {agreement.impedance_error:.1g} of (★), "
+    to.print(
+        f"simulation: {len(result.trials.trials)} trials agree, "
+        f"measured Z within {agreement.impedance_error:.1g} of (★), "
         f"lowest port energy {agreement.lowest_energy:.1g} of the largest"
     )
     if sampled.rms_difference is not None and sampled.rms_theta:
         effect = f"changes the step response by {100 * sampled.rms_difference / sampled.rms_theta:.2g} % rms"
     else:
         effect = "is unstable" if not sampled.stable else "cannot be compared: the continuous loop is unstable"
-    console.print(f"for information, not certified: sampled at {sampled.rate:g} Hz the controller {effect}")
+    to.print(f"for information, not certified: sampled at {sampled.rate:g} Hz the controller {effect}")
 
 
 def _headline(result: Result) -> str:
@@ -104,11 +111,11 @@ def decimal(value: Fraction) -> str:
     return f"{float(value):.5g}"
 
 
-def show_bound(limit: Bound, console: Console) -> None:
+def show_bound(limit: Bound, to: Console) -> None:
     """The bound, what binds where, and what it leaves out."""
-    console.print(f"[bold]bound[/]  ω_B ≤ {limit.omega_B:.4g} rad/s with {limit.terms} terms (pole {limit.pole:.4g} rad/s)")
+    to.print(f"[bold]bound[/]  ω_B ≤ {limit.omega_B:.4g} rad/s with {limit.terms} terms (pole {limit.pole:.4g} rad/s)")
     for name, omega in limit.binding:
-        console.print(f"  {name} binds, most at {omega:.4g} rad/s")
+        to.print(f"  {name} binds, most at {omega:.4g} rad/s")
     if limit.dropped:
-        console.print(f"  left out, as not convex in Q̃ (this can only raise the figure): {', '.join(limit.dropped)}")
-    console.print("a solver's figure on a frequency grid, not a proof")
+        to.print(f"  left out, as not convex in Q̃ (this can only raise the figure): {', '.join(limit.dropped)}")
+    to.print("a solver's figure on a frequency grid, not a proof")

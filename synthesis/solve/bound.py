@@ -78,10 +78,10 @@ def _locate(setting: Setting) -> float | None:
     return best
 
 
-def laguerre(s: NDArray[np.complex128], pole: float, terms: int, relative_degree: int) -> NDArray[np.complex128]:
+def laguerre(s: NDArray[Any], pole: float, terms: int, relative_degree: int) -> NDArray[Any]:
     """`(p/(s+p))^r ((p−s)/(p+s))^k`, k = 0 … terms−1. s: (n,). Returns (n, terms)."""
     all_pass = (pole - s) / (pole + s)
-    return (pole / (s + pole))[:, None] ** relative_degree * all_pass[:, None] ** np.arange(terms)[None, :]
+    return np.asarray((pole / (s + pole))[:, None] ** relative_degree * all_pass[:, None] ** np.arange(terms))
 
 
 class _Program:
@@ -95,7 +95,9 @@ class _Program:
         self.kept = [c for c in everything if all(q.variable is Variable.Q_TILDE and q.convex for q in c.inequalities)]
         ideal = setting.loop.actuator.H == setting.loop.with_ideal_actuator().actuator.H
         if ideal:
-            self.kept = [c for c in everything if all(q.convex and q.variable is not Variable.L for q in c.inequalities)]
+            self.kept = [
+                c for c in everything if all(q.convex and q.variable is not Variable.L for q in c.inequalities)
+            ]
         self.dropped = [c for c in everything if c not in self.kept]
 
         degree = 2 if setting.spec.controller.type == "dob" else max(0, setting.loop.filters.force.relative_degree)

@@ -69,7 +69,7 @@ def _best_ratio(inequality: Inequality, evaluator: Evaluator) -> np.ndarray:
     W = evaluator.radius(inequality.source)
     fixed, distances = np.zeros_like(omega), []
     for term in inequality.moduli:
-        gain = np.broadcast_to(term.gain.value(W), omega.shape)
+        gain = np.broadcast_to(term.gain.of(W), omega.shape)
         a, b = term.affine.constant.at(omega), term.affine.slope.at(omega)
         if term.affine.slope.num.degree() < 0:
             fixed = fixed + gain * np.abs(a)
@@ -91,7 +91,7 @@ def _ratio_at_zero(inequality: Inequality, setting: Setting) -> float:
         return 0.0
     tiny = np.array([frequency_scale(setting)[0] * 1e-8])
     W = Evaluator(setting, tiny).radius(inequality.source)
-    left = sum(float(np.max(term.gain.value(W))) * _lead(term.affine, order) for term in inequality.moduli)
+    left = sum(float(np.max(term.gain.of(W))) * _lead(term.affine, order) for term in inequality.moduli)
     right = _lead(inequality.right, order)
     if left < right * (1 - 1e-12):
         return 0.0

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 FIRST_BACK_OFF = 1e-5
 BACK_OFF_GROWTH = 2.0
 LEAST_ROUTH = 1e-6  # first-column entries of Routh's table, in normalised frequency
-IPOPT = {
+IPOPT: dict[str, Any] = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "print_time": 0,
@@ -43,7 +43,7 @@ REFINING = {"ipopt.mu_init": 1e-5, "ipopt.bound_push": 1e-8, "ipopt.bound_frac":
 
 @dataclass(frozen=True)
 class Grids:
-    """Where the program looks. omega: fixed grid [rad/s]. band: fractions of ω_B. back_off: relative slack asked for."""
+    """Where the program looks. omega: fixed grid [rad/s]; band: fractions of ω_B; back_off: relative slack required."""
 
     omega: NDArray[np.float64]
     band: NDArray[np.float64]

@@ -31,11 +31,14 @@ REACHED = 0.9995  # of the program's ω_B: what the proof has to reach
 
 
 class Counterexample(Protocol):
-    """Where the proof failed."""
+    """Where the proof failed: which claim, at which frequency [rad/s], whether on the objective's own band."""
 
-    id: str
-    omega: float
-    on_band: bool
+    @property
+    def id(self) -> str: ...  # noqa: D102
+    @property
+    def omega(self) -> float: ...  # noqa: D102
+    @property
+    def on_band(self) -> bool: ...  # noqa: D102
 
 
 Refute = Callable[[Polynomials, float], Sequence[Counterexample]]  # coefficients, ω_B → () when all required is proven
@@ -112,7 +115,7 @@ class Search:
             raise UndecidedError("out of time: no controller was proven within the time limit")
 
     def _prove(self, structure: Structure, candidate: Candidate, grids: Grids) -> Found | None:
-        """Counterexample loop: each refuting frequency joins the grid with neighbours, and the slack asked for grows."""
+        """Counterexample loop: refuting frequencies join the grid with their neighbours, the slack required grows."""
         total = 0
         for rounds in range(1, ROUNDS + 1):
             self._in_time()

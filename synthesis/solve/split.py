@@ -54,16 +54,14 @@ class Split:
         return Split(self.re - re, self.im - im, self.arithmetic)
 
     def __rsub__(self, other: Any) -> Split:
-        return -self + other
+        return (-self).__add__(other)
 
     def __mul__(self, other: Any) -> Split:
         times = self.arithmetic.multiply
         re, im = self._lift(other)
         if isinstance(im, float | int) and im == 0:
             return Split(times(re, self.re), times(re, self.im), self.arithmetic)
-        return Split(
-            times(re, self.re) - times(im, self.im), times(re, self.im) + times(im, self.re), self.arithmetic
-        )
+        return Split(times(re, self.re) - times(im, self.im), times(re, self.im) + times(im, self.re), self.arithmetic)
 
     __rmul__ = __mul__
 

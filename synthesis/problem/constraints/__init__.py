@@ -1,4 +1,4 @@
-"""One file per constraint of the paper, each stating its equation once. To add one: its file, its test, its line here."""
+"""One file per constraint, each stating its equation once. To add one: its file, its test, its line here."""
 
 from __future__ import annotations
 

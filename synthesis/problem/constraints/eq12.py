@@ -6,7 +6,7 @@ disc        exact over the disc: Δ/(1+Δ) lies in the disc of centre c, radius 
             `Re(Z/jω) ≥ Re(Z_nominal/jω) − Re(c(1−Q̃)Ĝ⁻¹/jω) − ρ|(1−Q̃)Ĝ⁻¹/ω|`.
 structured  exact over the box: Z is affine in (I, B, K), so the corners decide; a weight, if any, as a disc on each.
 
-Neither paper nor disc can hold up to ω = ∞ when the inertia is uncertain: their budget falls like 1/ω, the disc does not.
+Neither paper nor disc can hold up to ω = ∞ when the inertia is uncertain: the budget falls like 1/ω, the disc does not.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def _paper(setting: Setting, level: Fraction | None, band: tuple[Fraction, Fract
         id="eq12",
         equation="(12), sides exchanged",
         form="paper",
-        statement="|Ĝ(jω−G_imp)| + 2vW/(1−vW)·|1−Q| < |Ĝ(jω+G_imp)|: passive behind an ideal actuator",
+        statement="|Ĝ(jω−G_imp)| + 2vW/(1−vW)·|1−Q| < |Ĝ(jω+G_imp)|: with stability, passive behind an ideal actuator",
         uncertainty="disc of radius W < 1",
         inequalities=(inequality,),
         level=level,
@@ -79,7 +79,7 @@ def _disc(setting: Setting, level: Fraction, band: tuple[Fraction, Fraction | No
         id="eq12",
         equation="(12), exact over the disc",
         form="disc",
-        statement="Re(Z/jω) ≥ v for every |Δ| ≤ W: passive, with v N·m·s/rad to spare",
+        statement="Re(Z/jω) ≥ v for every |Δ| ≤ W: with stability-locked, a passive port with v to spare",
         uncertainty="disc of radius W < 1",
         inequalities=(_passive(setting, setting.uncertainty.nominal, Source.LUMPED),),
         level=level,
@@ -96,7 +96,7 @@ def _structured(setting: Setting, level: Fraction, band: tuple[Fraction, Fractio
         id="eq12",
         equation="(12), structured",
         form="structured",
-        statement="Re(Z/jω) ≥ v for every load: passive, with v N·m·s/rad to spare",
+        statement="Re(Z/jω) ≥ v for every load: with stability-locked, a passive port with v to spare",
         uncertainty="every load of the box" + ("" if source is Source.NONE else ", each with the disc of the weight"),
         inequalities=tuple(_passive(setting, load, source) for load in setting.uncertainty.corners()),
         level=level,

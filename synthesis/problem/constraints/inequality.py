@@ -20,6 +20,7 @@ import numpy as np
 from ....models.impedance import DynamicStiffness
 from ....models.rational import ONE, ZERO, Operand, RationalFunction
 
+
 class Variable(Enum):
     """What X stands for."""
 
@@ -29,14 +30,14 @@ class Variable(Enum):
 
 
 class Gain(Enum):
-    """Factors made of the radius W of |Δ| ≤ W. `|Δ/(1+Δ)| ≤ R`; more exactly it fills the disc of `centre` and radius RHO."""
+    """Factors made of the radius W of |Δ| ≤ W. `|Δ/(1+Δ)| ≤ R`; it fills the disc of `centre` and radius RHO."""
 
     ONE = "1"
     W = "W"
     R = "W/(1−W)"
     RHO = "W/(1−W²)"
 
-    def value(self, W: Any) -> Any:
+    def of(self, W: Any) -> Any:
         """The factor for an array or expression of W; infinite on arrays where W ≥ 1 leaves Δ/(1+Δ) unbounded."""
         if self is Gain.ONE:
             return 1.0
@@ -149,8 +150,8 @@ class Inequality:
             for term in terms:
                 inside = value(term.affine)
                 if term.shift is not None:
-                    inside = inside + centre(W) * value(term.shift)
-                left = left + term.gain.value(W) * part(inside)
+                    inside = inside + value(term.shift) * centre(W)
+                left = left + part(inside if term.gain is Gain.ONE else inside * term.gain.of(W))
         right = abs(value(self.right)) if self.modulus_right else value(self.right).real
         return left, v * right if self.role is Role.CEILING else right
 
@@ -160,7 +161,7 @@ class Constraint:
     """A numbered condition: its inequalities (all must hold), what is asked of it, what to do where it is impossible.
 
     level: the v that is required, or None when the claim is only reported. band: interval of ω [rad/s], upper end None
-    for infinity; `on_band`: the interval is [0, ω_B], the objective's own; `largest_band`: the largest on which it holds.
+    for infinity; `on_band`: [0, ω_B], the objective's own; `largest_band`: the largest interval on which it holds.
     """
 
     id: str

@@ -1,0 +1,42 @@
+# Everything needs only python3 (3.11 or newer) and make: the first target that wants it builds .venv.
+PYTHON ?= python3
+BIN := .venv/bin
+export OPENBLAS_NUM_THREADS := 1
+
+.PHONY: demo test lint types wheel bench picture clean
+
+demo: .venv/installed
+	$(BIN)/robimp synth examples/haninger2016.yaml
+
+test: .venv/installed
+	$(BIN)/python -m pytest -n 2
+
+lint: .venv/installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+# The built wheel, installed in an environment of its own and used from an empty folder.
+wheel: .venv/installed
+	rm -rf build dist && $(BIN)/python -m build --wheel --outdir dist . >/dev/null
+	$(PYTHON) -m venv --clear build/env
+	build/env/bin/python -m pip install -q --disable-pip-version-check -c constraints.txt dist/*.whl
+	sh tests/wheel.sh "$(CURDIR)/build/env/bin" "$(CURDIR)/examples/haninger2016.yaml"
+
+# mypy reads the wheel's files where they are installed: the packages have other names than their folders here.
+types: wheel
+	cd build && ../$(BIN)/mypy --config-file ../pyproject.toml --python-executable env/bin/python \
+	    -p robimp.models -p robimp.synthesis
+
+bench: .venv/installed
+	$(BIN)/python benchmarks/bench.py
+
+picture: .venv/installed
+	$(BIN)/python examples/picture.py
+
+clean:
+	rm -rf .venv build dist out *.egg-info
+
+.venv/installed: pyproject.toml constraints.txt
+	$(PYTHON) -m venv --clear .venv
+	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[test,dev]'
+	touch $@
