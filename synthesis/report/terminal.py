@@ -108,7 +108,7 @@ def _failure(claim: Claim) -> str:
 
 def decimal(value: Fraction) -> str:
     """A short decimal for reading; exact text is in the certificate."""
-    return f"{float(value):.5g}"
+    return f"{float(value):.6g}"
 
 
 def show_bound(limit: Bound, to: Console) -> None:

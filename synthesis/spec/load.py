@@ -20,12 +20,13 @@ _REQUIRED = tuple(Spec.model_fields)  # no section has a default
 T = TypeVar("T")
 
 
-def load_spec(path: Path) -> Spec:
+def load_spec(path: str | Path) -> Spec:
     """The specification in a YAML file.
 
     Raises:
         InputError: file, line, column and key of the first fault, what was expected, what was found, what to do.
     """
+    path = Path(path)
     where = Location(str(path))
     try:
         # A pipe or a device would be read for ever.
