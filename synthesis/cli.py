@@ -4,25 +4,24 @@ from __future__ import annotations
 
 import json
 import sys
+import traceback
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from .errors import ExitCode, InputError, Location, RobimpError
+from .errors import ExitCode, InputError, Location, MismatchError, RobimpError, UndecidedError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
-    from .pipeline import Result
     from .spec.model import Spec
 
 app = typer.Typer(
     name="robimp",
     help="Robust impedance controllers with the largest bandwidth that can be proven.",
     epilog="Exit codes: 0 proven, 1 internal error, 2 bad input, 3 infeasible, 4 refuted, 5 undecided, 6 mismatch.",
-    no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -42,13 +41,16 @@ def synth(
 ) -> None:
     """Find the controller of largest bandwidth, prove it, have the proof re-checked, simulate it."""
     from .spec import load_spec, spec_warnings
+    from .storage import demand_writable
 
     loaded = [(path, load_spec(path)) for path in specs]
     folders = _folders([spec for _, spec in loaded], output)
+    for folder in folders:
+        demand_writable(folder)
     codes = []
     for (path, spec), folder in zip(loaded, folders, strict=True):
         for warning in spec_warnings(spec):
-            print(f"{path}: warning: {warning}", file=sys.stderr)
+            _complain(f"{path}: warning: {warning}")
         codes.append(_synth_one(path, spec, folder, time_limit, as_json))
     _finish(codes)
 
@@ -65,16 +67,16 @@ def _folders(specs: list[Spec], output: Path | None) -> list[Path]:
 
 def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, as_json: bool) -> ExitCode:
     from .pipeline import synthesize
+    from .report.progress import status_line
+    from .report.summary import simulation, summary
     from .storage import write_atomic
 
-    with _located(path), _progress() as progress:
+    with _located(path), status_line() as progress:
         result = synthesize(spec, progress, time_limit=time_limit)
-    write_atomic(folder / "simulation.json", _dumped(_simulation(result)).encode())
+    write_atomic(folder / "simulation.json", _dumped(simulation(result)).encode())
     write_atomic(folder / "certificate.json", result.certificate_bytes())
     if as_json:
-        print(
-            _dumped({"file": str(folder / "certificate.json"), "exit_code": int(result.exit_code), **_summary(result)})
-        )
+        print(_dumped({"file": str(folder / "certificate.json"), **summary(result)}))
         return result.exit_code
     from .report.terminal import console, show
 
@@ -93,25 +95,47 @@ def check(
     as_json: Json = False,
 ) -> None:
     """Re-prove every claim with the independent checker (standard library only)."""
-    from .check import check_file
-
     expected = None if spec is None else _canonical(spec)
     codes = []
     for path in certificates:
-        verdict = check_file(str(path), time_limit=time_limit)
-        code, message = ExitCode(verdict.exit_code), verdict.message
-        if expected is not None and code not in (ExitCode.INPUT, ExitCode.INTERNAL):
-            difference = _first_difference(expected, json.loads(path.read_bytes())["spec"])
-            if difference is not None:
-                code, message = ExitCode.MISMATCH, f"certificate of another specification: {difference}"
+        code, message = _verdict(path, expected, time_limit)
         codes.append(code)
         if as_json:
             print(_dumped({"file": str(path), "exit_code": int(code), "message": message}))
         elif code is ExitCode.PROVEN:
             print(f"PROVEN  {path}  {message}")
         else:
-            print(f"{path}: {message}", file=sys.stderr)
+            _complain(f"{path}: {message}")
     _finish(codes)
+
+
+def _verdict(path: Path, expected: dict[str, Any] | None, time_limit: float) -> tuple[ExitCode, str]:
+    """One certificate's code and line; with a specification, whether it is that one's."""
+    from .check import check_bytes
+    from .report.difference import first_difference
+
+    try:
+        data = _certificate_bytes(path)
+    except InputError as error:
+        return ExitCode.INPUT, error.message
+    checked = check_bytes(data, time_limit=time_limit)
+    code = ExitCode(checked.exit_code)
+    if expected is not None and code is not ExitCode.INPUT:
+        difference = first_difference(expected, json.loads(data)["spec"])
+        if difference is not None:
+            return ExitCode.MISMATCH, f"certificate of another specification: {difference}"
+    return code, checked.message
+
+
+def _certificate_bytes(path: Path) -> bytes:
+    """A certificate, read once, so that what is used is what was checked. Raises: InputError."""
+    from .check.reader import MAX_BYTES
+
+    try:
+        with path.open("rb") as stream:
+            return stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise InputError(f"file: cannot be read: {error.strerror or error}", Location(str(path))) from error
 
 
 @app.command()
@@ -124,16 +148,20 @@ def simulate(
 
     from .agreement import compare
     from .certificate.claims import certify
-    from .check import check_file
+    from .check import check_bytes
     from .pipeline import realizable, setting_of
+    from .report.progress import status_line
     from .simulation import verify
     from .spec import from_canonical
     from .spec.model import Polynomials
 
-    checked = check_file(str(certificate))
+    data = _certificate_bytes(certificate)
+    checked = check_bytes(data)
     if checked.exit_code == ExitCode.INPUT:
         raise InputError(checked.message, Location(str(certificate)))
-    content = json.loads(certificate.read_bytes())
+    if checked.exit_code == ExitCode.MISMATCH:
+        raise MismatchError(f"{certificate}: {checked.message}")
+    content = json.loads(data)
     spec = from_canonical(content["spec"], str(certificate))
     written = content["controller"]["Q" if spec.controller.type == "dob" else "C"]
     numerator, denominator = (tuple(map(Fraction, written[part])) for part in ("numerator", "denominator"))
@@ -143,7 +171,7 @@ def simulate(
         tuple(map(Fraction, content["controller"]["C"]["numerator"])),
         tuple(map(Fraction, content["controller"]["C"]["denominator"])),
     )
-    with _progress() as progress:
+    with status_line() as progress:
         trials = verify(spec, compensator, progress=progress)
         agreement = compare(setting, C, certify(setting, C), trials)
     agrees = not agreement.contradictions
@@ -155,7 +183,7 @@ def simulate(
             f"measured Z within {agreement.impedance_error:.1g} of (★)"
         )
     for contradiction in agreement.contradictions:
-        print(f"{certificate}: contradicts: {contradiction}", file=sys.stderr)
+        _complain(f"{certificate}: contradicts: {contradiction}")
     _finish([ExitCode.PROVEN if agrees else ExitCode.REFUTED])
 
 
@@ -169,11 +197,12 @@ def bound(
     from dataclasses import asdict
 
     from .pipeline import setting_of
+    from .report.progress import status_line
     from .solve.bound import bound as convex_bound
     from .solve.infeasible import impossible
     from .spec import load_spec
 
-    with _located(spec), _progress() as progress:
+    with _located(spec), status_line() as progress:
         setting = setting_of(load_spec(spec))
         reason = impossible(setting)
         if reason is not None:
@@ -181,9 +210,7 @@ def bound(
         progress(f"convex program with {terms} terms")
         limit = convex_bound(setting, terms)
     if limit is None:
-        print(f"{spec}: no Q̃ in the basis satisfies the constraints, by the solver's word", file=sys.stderr)
-        _finish([ExitCode.UNDECIDED])
-        return
+        raise UndecidedError(f"{spec}: no Q̃ in the basis satisfies the constraints, by the solver's word")
     if as_json:
         print(_dumped(asdict(limit)))
         return
@@ -206,45 +233,6 @@ def _canonical(path: Path) -> dict[str, Any]:
     return canonical(load_spec(path))
 
 
-def _first_difference(expected: Any, found: Any, key: str = "") -> str | None:
-    """The first difference of two canonical specifications, in words: `plant.inertia 1/50 → 21/1000`."""
-    if isinstance(expected, dict) and isinstance(found, dict):
-        for name in sorted(expected.keys() | found.keys()):
-            inner = _first_difference(expected.get(name), found.get(name), f"{key}.{name}" if key else name)
-            if inner is not None:
-                return inner
-        return None
-    if expected == found:
-        return None
-    return f"{key} {_readable(expected)} → {_readable(found)}"
-
-
-def _readable(value: Any) -> str:
-    return "absent" if value is None else json.dumps(value, ensure_ascii=False)
-
-
-def _summary(result: Result) -> dict[str, Any]:
-    return {
-        "outcome": result.outcome.value,
-        "omega_B": float(result.omega_B),
-        "bound": None if result.bound is None else result.bound.omega_B,
-        "seconds": result.seconds,
-        "claims": [
-            {"id": c.id, "form": c.form, "required": c.required, "status": c.status.value} for c in result.claims
-        ],
-        "simulation": {
-            "trials": len(result.trials.trials),
-            "impedance_error": result.agreement.impedance_error,
-            "lowest_energy": result.agreement.lowest_energy,
-        },
-        "sampled": result.sampled.to_json(),
-    }
-
-
-def _simulation(result: Result) -> dict[str, Any]:
-    return {**result.trials.to_json(), "sampled": result.sampled.to_json()}
-
-
 def _dumped(value: Any) -> str:
     return json.dumps(value, indent=1, ensure_ascii=False, default=str) + "\n"
 
@@ -262,20 +250,13 @@ def _located(path: Path) -> Iterator[None]:
         raise type(error)(f"{path}: {error}") from error
 
 
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """A status line while something runs; silent when standard error is not a terminal."""
-    if not sys.stderr.isatty():
-        yield lambda _: None
-        return
-    from rich.console import Console
-
-    with Console(stderr=True).status("starting") as status:
-        yield status.update
-
-
 def _finish(codes: list[ExitCode]) -> None:
     raise typer.Exit(next((int(code) for code in codes if code), 0))
+
+
+def _complain(text: str) -> None:
+    """One printable line on standard error, whatever is in a file's name."""
+    print("".join(c if c.isprintable() else ascii(c)[1:-1] for c in text), file=sys.stderr)
 
 
 def main() -> None:
@@ -286,22 +267,33 @@ def main() -> None:
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
     try:
-        sys.exit(app(arguments, prog_name="robimp", standalone_mode=False) or 0)
+        sys.exit(_run(arguments))
     except KeyboardInterrupt:
-        print("interrupted; nothing was written", file=sys.stderr)
+        _complain("robimp: interrupted; no partial file was written")
         sys.exit(ExitCode.UNDECIDED)
     except Exception as error:
         if debug:
-            raise
+            traceback.print_exception(error)
         sys.exit(_report(error))
+
+
+def _run(arguments: list[str]) -> int:
+    """Run a command without the parser's own way of ending, which has other exit codes and hides Ctrl-C."""
+    command = typer.main.get_command(app)
+    try:
+        with command.make_context("robimp", arguments) as context:
+            command.invoke(context)
+    except typer.Exit as end:
+        return end.exit_code
+    return ExitCode.PROVEN
 
 
 def _report(error: Exception) -> int:
     if isinstance(error, RobimpError):
-        print(f"robimp: {error}", file=sys.stderr)
+        _complain(f"robimp: {error}")
         return int(error.exit_code)
     if hasattr(error, "format_message"):  # the command-line parser's own
-        print(f"robimp: {error.format_message() or 'see robimp --help'}", file=sys.stderr)
+        _complain(f"robimp: {error.format_message()} (see robimp --help)")
         return int(ExitCode.INPUT)
-    print(f"robimp: internal error: {type(error).__name__}: {error} (--debug shows where)", file=sys.stderr)
+    _complain(f"robimp: internal error: {type(error).__name__}: {error} (--debug shows where)")
     return int(ExitCode.INTERNAL)

@@ -90,7 +90,7 @@ def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: f
     bound = None if limit is None else Fraction(f"{limit.omega_B:.6g}")
     certificate = document(setting, coefficients, claims, bound=bound, producer=_producer())
     progress("re-checking the certificate independently")
-    _recheck(certificate, verdict(claims))
+    _recheck(certificate, claims)
     progress("simulating the physics")
     compensator = (certificate["controller"]["C"]["numerator"], certificate["controller"]["C"]["denominator"])
     numbers = tuple(tuple(Fraction(c) for c in part) for part in compensator)
@@ -159,10 +159,14 @@ def _search(setting: Setting, progress: Progress, deadline: float | None) -> tup
     return found.candidate.coefficients, limit
 
 
-def _recheck(certificate: dict[str, Any], outcome: Outcome) -> None:
-    second = check_bytes(json.dumps(certificate).encode())
-    if second.exit_code != VERDICT_CODE[outcome]:
-        raise RobimpError(f"prover says {outcome.value}, the independent checker says: {second.message}")
+def _recheck(certificate: dict[str, Any], claims: tuple[Claim, ...]) -> None:
+    """Compare with the independent checker: its verdict, and claim by claim what it could not confirm."""
+    outcome, second = verdict(claims), check_bytes(json.dumps(certificate).encode())
+    short = {(c.id, c.form) for c in claims if c.required and c.status is not Outcome.PROVEN}
+    doubted = {(id, form) for id, form, status, _ in second.claims if status == "not verified"}
+    if second.exit_code != VERDICT_CODE[outcome] or doubted != short:
+        said = next((text for id, form, _, text in second.claims if (id, form) in doubted - short), second.message)
+        raise RobimpError(f"prover says {outcome.value}, the independent checker says: {said}")
 
 
 def _producer() -> dict[str, str]:

@@ -9,6 +9,18 @@ from pathlib import Path
 from .errors import InputError, Location
 
 
+def demand_writable(folder: Path) -> None:
+    """Refuse a folder that files cannot be written to before anything long is computed. Raises: InputError."""
+    try:
+        nearest = next(place for place in (folder, *folder.absolute().parents) if place.exists())
+    except OSError as error:
+        raise InputError(f"cannot be written: {error.strerror or error}", Location(str(folder))) from error
+    if not nearest.is_dir():
+        raise InputError(f"cannot be written: {nearest} is not a folder", Location(str(folder)))
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise InputError(f"cannot be written: {nearest} is read-only", Location(str(folder)))
+
+
 def write_atomic(path: Path, data: bytes) -> None:
     """Write a file so that a crash at any moment leaves the old one or the new one, never a part.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import comb
 
 from flint import fmpq, fmpq_poly
@@ -36,6 +37,7 @@ def minus(p: Bivariate, q: Bivariate) -> Bivariate:
 
 
 def shift(p: Bivariate, k: int) -> Bivariate:
+    """p/x^k, for k up to the valuation."""
     return tuple(fmpq_poly(c.coeffs()[k:]) for c in p)
 
 
@@ -51,7 +53,7 @@ def halves(b: Bivariate) -> tuple[Bivariate, Bivariate]:
     """De Casteljau at t = 1/2."""
     row, left, right = list(b), [b[0]], [b[-1]]
     while len(row) > 1:
-        row = [(p + q) / 2 for p, q in zip(row, row[1:], strict=False)]
+        row = [(p + q) / 2 for p, q in pairwise(row)]
         left.append(row[0])
         right.insert(0, row[-1])
     return tuple(left), tuple(right)

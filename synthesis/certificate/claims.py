@@ -23,7 +23,9 @@ from .positivity import holds
 from .witness import Witness, fails_at, find_witness, short
 
 TIGHTNESS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1)  # how far from the float optimum a level is tried, relative
+FAR = 1e5  # how far beyond the joint's own frequencies the grid reaches
 LARGEST_FACTOR = 1e6  # margins on W beyond this are not searched for
+NEEDLES = 3  # resonances overlooked by the grid that may shorten the band, one after another
 
 
 @dataclass(frozen=True)
@@ -98,14 +100,12 @@ def counterexamples(setting: Setting, compensator: Compensator, omega_B: float) 
     """
     prover = Prover.of(Subject(setting, compensator))
     found = [Counterexample(c.id, np.inf, False) for c in prover.stability() if c.status is not Outcome.PROVEN]
-    for constraint in constraints(setting):
-        if constraint.level is None:
+    for asked in constraints(setting):
+        if asked.level is None:
             continue
-        if constraint.on_band:
-            constraint = replace(constraint, band=(Fraction(0), short(omega_B, up=False)))
-        if prover.decide(constraint, constraint.level) is not Outcome.PROVEN:
-            for omega in prover.failing(constraint, constraint.level):
-                found.append(Counterexample(constraint.id, omega, constraint.on_band))
+        c = replace(asked, band=(Fraction(0), short(omega_B, up=False))) if asked.on_band else asked
+        if prover.decide(c, asked.level) is not Outcome.PROVEN:
+            found += [Counterexample(c.id, omega, c.on_band) for omega in prover.failing(c, asked.level)]
     return tuple(found)
 
 
@@ -132,26 +132,27 @@ class Prover:
                 outcomes.append(holds(lowered, interval, strict=_strict(constraint)))
                 if outcomes[-1] is Outcome.REFUTED:
                     return Outcome.REFUTED
-        if constraint.positive_real:
-            outcomes.append(self._ends(constraint))
+        if constraint.positive_real and self._failing_end() is not None:
+            return Outcome.REFUTED
         return all_of(outcomes)
 
     def _lowered(self, constraint: Constraint, index: int, v: Fraction) -> Iterator[SumOfRoots]:
         inequality = constraint.inequalities[index]
         return lower(inequality, exact(v), self.X[inequality.variable], self.subject.setting.uncertainty)
 
-    def _ends(self, constraint: Constraint) -> Outcome:
-        """Z/s positive real at its ends: pole at s = 0 with residue Z(0) ≥ 0, pole at ∞ with residue lim Z/s² ≥ 0."""
+    def _failing_end(self) -> Witness | None:
+        """Where Z/s fails to be positive real: its residue Z(0) at s = 0 must be ≥ 0, and lim Z/s², that at ∞."""
         setting = self.subject.setting
-        loads = [q.load or setting.uncertainty.nominal for q in constraint.inequalities]
-        for load in loads:
+        for load in setting.uncertainty.corners():
             Z = setting.loop.Z(self.subject.compensator, load)
             at_zero = Z.num[0] / Z.den[0] if Z.den[0] != 0 else fmpq(-1)
             excess = Z.relative_degree
             at_infinity = Z.num.leading_coefficient() / Z.den.leading_coefficient()
-            if at_zero < 0 or excess < -2 or (excess == -2 and at_infinity < 0):
-                return Outcome.REFUTED
-        return Outcome.PROVEN
+            if at_zero < 0:
+                return Witness(Fraction(0), load)
+            if excess < -2 or (excess == -2 and at_infinity < 0):
+                return Witness(None, load)
+        return None
 
     def witness(self, constraint: Constraint, v: Fraction) -> Witness | None:
         """An exact point where the constraint fails at level v; the grid's worst frequency is tried first."""
@@ -162,7 +163,7 @@ class Prover:
                 found = find_witness(lowered, _squared(constraint.band), (omega,), strict=_strict(constraint))
                 if found is not None:
                     return found
-        return None
+        return self._failing_end() if constraint.positive_real else None
 
     def failing(self, constraint: Constraint, v: Fraction) -> tuple[float, ...]:
         """Frequencies where a constraint fails worst: each local minimum of its slack on the grid, or the witness."""
@@ -183,7 +184,7 @@ class Prover:
         """Prove at the hardest level found; if the required level cannot be proven, refute it with a witness."""
         prover = replace(self, evaluator=self.evaluator.with_ends(constraint))._focused(constraint)
         (best, _), required, harder = prover._best_level(constraint), constraint.level, constraint.role.harder
-        levels = [_moved(best, -harder * tightness, constraint, up=harder < 0) for tightness in TIGHTNESS]
+        levels = _beside(best, -harder, constraint)
         if required is not None:
             levels = [v for v in levels if harder * (v - required) > 0] + [required]
         for proven in levels:
@@ -198,8 +199,7 @@ class Prover:
     def _beyond_level(self, constraint: Constraint, best: float, proven: Fraction) -> Refutation | None:
         """The twin: the least harder level found at which the claim fails, and where."""
         harder = constraint.role.harder
-        for tightness in TIGHTNESS:
-            v = _moved(best, harder * tightness, constraint, up=harder > 0)
+        for v in _beside(best, harder, constraint):
             if harder * (v - proven) > 0 and (found := self.witness(constraint, v)):
                 return Refutation(v, found)
         return None
@@ -247,24 +247,31 @@ class Prover:
         return _claim(constraint, status, None, Refutation(Fraction(1), found) if found else None)
 
     def bandwidth(self) -> Claim:
-        """The largest ω_B up to which every condition of the objective holds."""
+        """The largest ω_B up to which every condition of the objective holds, or the attenuation where that is none."""
         wanted = [c for c in constraints(self.subject.setting) if c.on_band and c.required]
         attenuation = next(c for c in wanted if c.id == "bandwidth")
-        first = min(chain.from_iterable(self._failures(c) for c in wanted), default=LARGEST_FACTOR)
+        for conditions in (wanted, [attenuation]):
+            first = min(chain.from_iterable(self._failures(c) for c in conditions), default=LARGEST_FACTOR)
+            end = self._proven_end(conditions, first)
+            if end is not None:
+                beyond = self._beyond(attenuation, first, end)
+                return _claim(replace(attenuation, band=(Fraction(0), end)), Outcome.PROVEN, end, beyond)
+        nowhere = replace(attenuation, band=(Fraction(0), Fraction(0)))
+        found = self.witness(nowhere, self.subject.setting.spec.objective.attenuation)
+        if found is None:
+            return _claim(nowhere, Outcome.UNDECIDED, None, None)
+        return _claim(nowhere, Outcome.REFUTED, None, Refutation(Fraction(0), found))
+
+    def _proven_end(self, conditions: list[Constraint], first: float, needles: int = NEEDLES) -> Fraction | None:
+        """The largest ω_B below `first` up to which all conditions are proven; below a needle the grid overlooked."""
         for tightness in TIGHTNESS:
             end = short(first * (1 - tightness), digits=8, up=False)
-            band = (Fraction(0), end)
-            if end > 0 and all(
-                self.decide(replace(c, band=band), c.level) is Outcome.PROVEN for c in wanted if c.level is not None
-            ):
-                beyond = self._beyond(wanted, first)
-                return _claim(replace(attenuation, band=band), Outcome.PROVEN, end, beyond)
-        return _claim(
-            replace(attenuation, band=(Fraction(0), Fraction(0))),
-            Outcome.REFUTED,
-            None,
-            Refutation(Fraction(0), Witness(Fraction(0), None)),
-        )
+            band = [(replace(c, band=(Fraction(0), end)), c.level or Fraction(0)) for c in conditions]
+            if end > 0 and all(self.decide(c, level) is Outcome.PROVEN for c, level in band):
+                return end
+        found = [self.witness(c, level) for c, level in band]
+        lower = min((float(w.omega) for w in found if w is not None and w.omega), default=0.0)
+        return self._proven_end(conditions, lower, needles - 1) if needles and 0 < lower < first else None
 
     def _failures(self, constraint: Constraint) -> Iterator[float]:
         """Frequencies on the grid's refinement at which a band condition first fails."""
@@ -282,21 +289,24 @@ class Prover:
                 a, b = (a, middle) if at.slack(inequality, float(constraint.level or 0), self.X)[0] < 0 else (middle, b)
             yield a
 
-    def _beyond(self, wanted: list[Constraint], first: float) -> Refutation | None:
-        for tightness in TIGHTNESS:
-            end = short(first * (1 + tightness), digits=8, up=True)
-            for c in wanted:
-                for index, inequality in enumerate(c.inequalities):
-                    lowered = self._lowered(c, index, c.level or Fraction(0))
-                    if any(fails_at(one, end, strict=False) for one in lowered):
-                        return Refutation(end, Witness(end, inequality.load))
-        return None
+    def _beyond(self, attenuation: Constraint, first: float, proven: Fraction) -> Refutation | None:
+        """The twin: a frequency at which the attenuation fails, close to where the band ends or else its own first."""
+        level = self.subject.setting.spec.objective.attenuation
+        lowered = list(self._lowered(attenuation, 0, level))
+        for start in (first, *self._failures(attenuation)):
+            for tightness in TIGHTNESS:
+                end = short(start * (1 + tightness), digits=8, up=True)
+                if any(fails_at(one, end, strict=False) for one in lowered):
+                    return Refutation(end, Witness(end, None))
+        found = self.witness(replace(attenuation, band=(proven, 2 * proven)), level)
+        return None if found is None or found.omega is None else Refutation(found.omega, found)
 
     def stability(self) -> Iterator[Claim]:
         """Nominal stability free (zeros of Z) and against a rigid wall (zeros of 1+HCF), with the decay rate."""
         loop, C = self.subject.setting.loop, self.subject.compensator
-        yield _stability("stability-free", "denominator of (8) and (17)", "every mode in free motion", loop.free(loop.nominal)(C))
-        yield _stability("stability-locked", "1 + HCF", "every mode against a rigid wall", loop.locked()(C))
+        free, locked = loop.free(loop.nominal)(C), loop.locked()(C)
+        yield _stability("stability-free", "denominator of (8) and (17)", "every mode in free motion", free)
+        yield _stability("stability-locked", "1 + HCF", "every mode against a rigid wall", locked)
 
 
 def _stability(id: str, equation: str, what: str, p: fmpq_poly) -> Claim:
@@ -345,10 +355,12 @@ def _meaningful(constraint: Constraint, v: Fraction) -> bool:
     return v > 0 if constraint.id == "friction" else constraint.role is Role.FLOOR or v > 0
 
 
-def _moved(v: float, by: float, constraint: Constraint, up: bool) -> Fraction:
-    """A short level a little beside v: relative, or for levels that can be zero in absolute terms as well."""
-    step = by * (abs(v) + 1e-4) if constraint.role is Role.FLOOR else by * abs(v)
-    return short(v + step, up=up)
+def _beside(v: float, side: int, constraint: Constraint) -> list[Fraction]:
+    """Short levels a little beside v: relative, or for levels that can be zero in absolute terms as well."""
+    if not np.isfinite(v):
+        return []
+    scale = abs(v) + 1e-4 if constraint.role is Role.FLOOR else abs(v)
+    return [short(v + side * tightness * scale, up=side > 0) for tightness in TIGHTNESS]
 
 
 def _runs(fits: np.ndarray, omega: np.ndarray) -> list[tuple[float, float]]:
@@ -361,7 +373,9 @@ def _runs(fits: np.ndarray, omega: np.ndarray) -> list[tuple[float, float]]:
 def _grid_of(subject: Subject, Q_tilde: RationalFunction) -> np.ndarray:
     """A dense grid, denser around every resonance of the closed loop."""
     setting = subject.setting
-    coarse = grid(setting, spread=1500)
+    middle = grid(setting, spread=1500)
+    ends = np.geomspace(1, FAR, 25)  # where limits at 0 and ∞ are approached
+    coarse = np.concatenate([middle, middle[0] / ends, middle[-1] * ends])
     polynomials = [subject.setting.loop.locked()(subject.compensator), Q_tilde.num, Q_tilde.den]
     polynomials += [setting.loop.free(load)(subject.compensator) for load in setting.uncertainty.corners()]
     extra = []

@@ -1,4 +1,4 @@
-"""The certificate file: exact text for every number, digests against accidents. Format 1; see synthesis/check/README.md."""
+"""The certificate file: exact text for every number, digests against accidents. Format 1: synthesis/check/README.md."""
 
 from __future__ import annotations
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 from flint import fmpq, fmpq_poly
 
-from ...models.rational import to_float
+from .roots import complex_roots
 
 
 def is_hurwitz(p: fmpq_poly, decay: fmpq | int = 0) -> bool:
@@ -25,6 +24,5 @@ def is_hurwitz(p: fmpq_poly, decay: fmpq | int = 0) -> bool:
 
 
 def decay_rate(p: fmpq_poly) -> float:
-    """`−max Re(root)` in floats: where to look for the proven figure."""
-    lead = p.leading_coefficient()
-    return float(-np.max(np.roots([to_float(c / lead) for c in p.coeffs()[::-1]]).real)) if p.degree() > 0 else np.inf
+    """`−max Re(root)`, where to look for the proven figure; 0 for a constant, which has no root to look at."""
+    return -max((float(root.real.mid()) for root, _ in complex_roots(p)), default=0.0)

@@ -10,7 +10,7 @@ A segment of loads adds a second variable t in [0, 1]; polynomials are then tupl
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 from flint import fmpq, fmpq_poly
@@ -22,16 +22,21 @@ from ..problem.constraints.inequality import Gain, Inequality, Role, Source, Ter
 from .bivariate import Bivariate, degree, shift, times, valuation
 
 ONE = fmpq_poly([1])
+NO_RADIUS: tuple[Bivariate, Bivariate] = ((fmpq_poly([0]),), (ONE,))  # W² = 0/1: an exact model
 
 
 @dataclass(frozen=True)
 class SumOfRoots:
-    """`Σ √radicand_i ≤ √right` (squared) or `≤ right`, and the segment of loads it is about (None: no load)."""
+    """`Σ √radicand_i ≤ √right` (squared) or `≤ right`, and the segment of loads it is about (None: no load).
+
+    strict: equality fails even where the claim itself allows it.
+    """
 
     radicands: tuple[Bivariate, ...]
     right: Bivariate
     squared: bool
     segment: Segment | None
+    strict: bool = False
 
 
 def even_part(p: fmpq_poly) -> fmpq_poly:
@@ -62,15 +67,15 @@ def lower(inequality: Inequality, v: fmpq, X: RationalFunction, uncertainty: Unc
     if inequality.source is Source.NONE:
         yield _without_radius(inequality, v, X)
         return
+    scale = v * v if inequality.role is Role.RADIUS else fmpq(1)
     for segment, ratios in _radii(inequality, uncertainty):
-        scale = v * v if inequality.role is Role.RADIUS else fmpq(1)
-        ratios = tuple((tuple(scale * c for c in N), M) for N, M in ratios)
         if _needs_disc(inequality):
-            (N, M) = ratios[0]
-            yield SumOfRoots((N,), M, True, segment)
+            ((N, M),) = ratios
+            N = tuple(scale * c for c in N)
+            yield SumOfRoots((N,), M, True, segment, strict=True)
             yield _with_disc(inequality, v, X, N[0], M[0], segment)
         else:
-            yield _with_radius(inequality, X, ratios, segment)
+            yield _with_radius(inequality, scale, X, ratios, segment)
 
 
 def _needs_disc(inequality: Inequality) -> bool:
@@ -87,7 +92,7 @@ def _radii(
         weight = ((abs2(uncertainty.weight.num),), (abs2(uncertainty.weight.den),))
     if inequality.source is Source.WEIGHT or uncertainty.box is None:
         load = inequality.load
-        yield (None if load is None else (load, load)), () if weight is None else (weight,)
+        yield (None if load is None else (load, load)), (weight or NO_RADIUS,)
         return
     # Gains of Δ/(1+Δ) need W < 1, where the corners alone decide; the edge matters only beyond.
     points = tuple((load, load) for load in uncertainty.corners())
@@ -173,9 +178,13 @@ def _assemble(
 
 
 def _with_radius(
-    inequality: Inequality, X: RationalFunction, ratios: tuple[tuple[Bivariate, Bivariate], ...], segment: Segment | None
+    inequality: Inequality,
+    scale: fmpq,
+    X: RationalFunction,
+    ratios: tuple[tuple[Bivariate, Bivariate], ...],
+    segment: Segment | None,
 ) -> SumOfRoots:
-    """Gains ONE and W, `W = Σ` over non-empty subsets of the sources of `Π √(N/M)`; multiplied by `√(Π M)`."""
+    """Gains ONE and W, `W = √scale·Σ` over non-empty subsets of the sources of `Π √(N/M)`; multiplied by `√(Π M)`."""
     (*nums, right_num), _ = _clear([*(term.affine(X) for term in inequality.moduli), inequality.right(X)])
     every: Bivariate = (ONE,)
     for _, M in ratios:
@@ -188,7 +197,7 @@ def _with_radius(
             continue
         for choice in product((False, True), repeat=len(ratios)):
             if any(choice):
-                factor: Bivariate = (ONE,)
+                factor: Bivariate = (scale * ONE,)
                 for (N, M), chosen in zip(ratios, choice, strict=True):
                     factor = times(factor, N if chosen else M)
                 radicands.append(times(square, factor))
@@ -196,16 +205,16 @@ def _with_radius(
 
 
 def strip(inequality: SumOfRoots) -> SumOfRoots:
-    """Divide both sides by the highest common power of ω, so that x = 0 is compared by leading coefficients."""
+    """Drop roots of 0 and divide both sides by the highest common power of ω: x = 0 compares leading coefficients."""
+    inequality = replace(inequality, radicands=tuple(p for p in inequality.radicands if degree(p) >= 0))
     right_weight = 1 if inequality.squared else 2
-    k = min((valuation(p) for p in inequality.radicands if degree(p) >= 0), default=10**6)
+    k = min((valuation(p) for p in inequality.radicands), default=10**6)
     k = min(k, right_weight * valuation(inequality.right)) if degree(inequality.right) >= 0 else k
     k -= k % right_weight
     if k in (0, 10**6):
         return inequality
-    return SumOfRoots(
-        tuple(shift(p, k) for p in inequality.radicands),
-        shift(inequality.right, k // right_weight),
-        inequality.squared,
-        inequality.segment,
+    return replace(
+        inequality,
+        radicands=tuple(shift(p, k) for p in inequality.radicands),
+        right=shift(inequality.right, k // right_weight),
     )

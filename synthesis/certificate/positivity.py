@@ -14,6 +14,7 @@ from .bivariate import Bivariate, bernstein, degree, halves, minus, times
 from .cells import holds_on_cells
 from .lowering import SumOfRoots, strip
 from .outcome import Interval, Outcome, all_of
+from .roots import complex_roots
 
 MAX_PRECISION = 4096  # bits spent on telling a root from an end of the interval
 MAX_T_DEPTH = 8  # halvings of a segment of loads
@@ -47,7 +48,7 @@ def obligations(inequality: SumOfRoots, *, strict: bool) -> tuple[Obligation, ..
 
 def holds(inequality: SumOfRoots, interval: Interval, *, strict: bool) -> Outcome:
     """Whether `Σ√A ≤ √B` or `≤ R` (strict, for squared ones: <) at every x of the closed interval, ∞ included."""
-    inequality = strip(inequality)
+    inequality, strict = strip(inequality), strict or inequality.strict
     if len(inequality.radicands) > 2:
         return holds_on_cells(inequality, interval)
     outcomes = []
@@ -75,6 +76,8 @@ def positive_univariate(p: fmpq_poly, interval: Interval, *, strict: bool, D: in
         return Outcome.REFUTED
     if p(low) < 0 or end < 0:
         return Outcome.REFUTED
+    if low == high:
+        return Outcome.PROVEN
     for root in {str(e): e for e in (low, high) if e is not None}.values():
         while p.degree() > 0 and p(root) == 0:
             p = p // fmpq_poly([-root, 1]) * (1 if root == low else -1)
@@ -97,7 +100,7 @@ def count_roots_inside(p: fmpq_poly, low: fmpq, high: fmpq | None) -> int | None
     precision = ctx.prec
     try:
         while ctx.prec <= MAX_PRECISION:
-            places = [_place(root.real, low, high) for root, _ in p.numer().complex_roots() if root.imag == 0]
+            places = [_place(root.real, low, high) for root, _ in complex_roots(p) if root.imag == 0]
             if None not in places:
                 return sum(bool(place) for place in places)
             ctx.prec *= 2

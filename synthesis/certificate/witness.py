@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from math import isqrt
 
 from flint import arb, ctx, fmpq, fmpq_poly
@@ -16,6 +17,7 @@ from .cells import gap, reversed_sides
 from .lowering import SumOfRoots, strip
 from .outcome import Interval
 from .positivity import obligations
+from .roots import complex_roots
 
 T_SAMPLES = 16
 
@@ -43,7 +45,7 @@ def find_witness(
     inequality: SumOfRoots, interval: Interval, hints: tuple[float, ...], *, strict: bool
 ) -> Witness | None:
     """A point of the interval where the inequality fails, tried in the order: hints, ends, between exact roots."""
-    inequality = strip(inequality)
+    inequality, strict = strip(inequality), strict or inequality.strict
     for t in _places(inequality):
         for omega in _candidates(inequality, interval, hints, strict):
             if _violated(inequality, omega, t, strict):
@@ -80,12 +82,17 @@ def _candidates(
         omega = short(hint)
         if low <= exact(omega * omega) and (high is None or exact(omega * omega) <= high):
             yield omega
-    yield from ((Fraction(0),) if low == 0 else ())
+    yield from (_sqrt(end) for end in (low, high) if end is not None)
     yield from ((None,) if high is None else ())
     if len(inequality.radicands) <= 2:
         for needed in obligations(inequality, strict=strict):
             if len(needed.p) == 1:
                 yield from _between_roots(needed.p[0], interval)
+
+
+def _sqrt(x: fmpq) -> Fraction:
+    """ω of an interval's end x = ω², which is the square of a rational."""
+    return Fraction(isqrt(int(x.p)), isqrt(int(x.q)))
 
 
 def _between_roots(p: fmpq_poly, interval: Interval) -> Iterator[Fraction]:
@@ -95,14 +102,14 @@ def _between_roots(p: fmpq_poly, interval: Interval) -> Iterator[Fraction]:
         return
     roots = [low] + [x for x in real_roots(p) if x > low and (high is None or x < high)]
     roots.append(high if high is not None else 4 * (roots[-1] or 1.0))
-    for a, b in zip(roots, roots[1:], strict=False):
+    for a, b in pairwise(roots):
         if b > a:
             yield _rational_sqrt_between(Fraction(a), Fraction(b))
 
 
 def real_roots(p: fmpq_poly) -> list[float]:
     """Positions of the distinct real roots, increasing: floats to look near, not proofs."""
-    return sorted(float(root.real.mid()) for root, _ in p.numer().complex_roots() if root.imag == 0)
+    return sorted(float(root.real.mid()) for root, _ in complex_roots(p) if root.imag == 0)
 
 
 def _rational_sqrt_between(a: Fraction, b: Fraction) -> Fraction:
@@ -117,9 +124,12 @@ def _rational_sqrt_between(a: Fraction, b: Fraction) -> Fraction:
 
 
 def _violated(inequality: SumOfRoots, omega: Fraction | None, t: fmpq, strict: bool) -> bool:
-    """Exact: the gap's sign, by balls of growing precision; equality fails a strict inequality."""
+    """Exact: by squaring up to two roots, beyond by balls of growing precision, which leave equality undecided."""
     sides = reversed_sides(inequality) if omega is None else inequality
     x = fmpq(0) if omega is None else exact(omega * omega)
+    if len(sides.radicands) <= 2:
+        values = [(_exact_value(needed.p, x, t), needed.strict) for needed in obligations(sides, strict=strict)]
+        return any(value < 0 or (value == 0 and must_differ) for value, must_differ in values)
     precision = ctx.prec
     try:
         for ctx.prec in (128, 512, 2048):
@@ -128,16 +138,9 @@ def _violated(inequality: SumOfRoots, omega: Fraction | None, t: fmpq, strict: b
                 return False
             if value < 0:
                 return True
-        return strict and _equal(sides, x, t)
+        return False
     finally:
         ctx.prec = precision
-
-
-def _equal(inequality: SumOfRoots, x: fmpq, t: fmpq) -> bool:
-    """Whether the gap is exactly zero, decided for at most one root against a squared right side."""
-    if len(inequality.radicands) != 1 or not inequality.squared:
-        return False
-    return _exact_value(inequality.radicands[0], x, t) == _exact_value(inequality.right, x, t)
 
 
 def _exact_value(p: Bivariate, x: fmpq, t: fmpq) -> fmpq:

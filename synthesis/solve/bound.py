@@ -107,8 +107,7 @@ class _Program:
         orthonormal *= np.sqrt(omega.size)
         x = cp.Variable(terms)
         self.X = Split(orthonormal[: omega.size] @ x, orthonormal[omega.size :] @ x, _Cvx())
-        self.attenuation = cp.Parameter(omega.size, nonneg=True)
-        self.delta = float(setting.spec.objective.attenuation)
+        self.beyond_band = cp.Parameter(omega.size, nonneg=True)  # 0 on the band, large outside it
         self.rows: list[tuple[str, Any]] = []
         for c in self.kept:
             for inequality in c.inequalities:
@@ -116,25 +115,22 @@ class _Program:
         self.problem = cp.Problem(cp.Minimize(0), [row for _, row in self.rows])
 
     def _cone(self, c: Constraint, inequality: Inequality) -> cp.Constraint:
-        level = float(c.level or 0)
-        if c.id == "bandwidth":
-            return abs(1.0 - self.X) <= self.attenuation
-        left, right = inequality.sides(
-            level, self.evaluator.radius(inequality.source), self.X, lambda r: r.at(self.omega)
-        )
-        scale = 1 / np.maximum(np.abs(inequality.right.constant.at(self.omega)), 1e-300)
-        inside = np.ones(self.omega.size)
-        inside[(self.omega < float(c.band[0])) | (self.omega > float(c.band[1] or np.inf))] = 0
         import cvxpy as cp
 
-        return cp.multiply(scale * inside, left) <= cp.multiply(scale * inside, right)
+        inside = np.flatnonzero(self.evaluator.inside(c))
+        omega = self.omega[inside]
+        X = Split(self.X.re[inside], self.X.im[inside], self.X.arithmetic)
+        W = self.evaluator.radius(inequality.source)[inside]
+        left, right = inequality.sides(float(c.level or 0), W, X, lambda r: r.at(omega))
+        scale = 1 / np.maximum(np.abs(inequality.right.constant.at(omega)), 1e-300)
+        row = cp.multiply(scale, left) - cp.multiply(scale, right)
+        return row <= (self.beyond_band[inside] if c.on_band else 0.0)
 
     def feasible(self, k: int) -> bool:
         """Whether attenuation up to the k-th grid point is feasible, by the solver's word."""
         import cvxpy as cp
 
-        loose = 1e3
-        self.attenuation.value = np.where(np.arange(self.omega.size) <= k, self.delta, loose)
+        self.beyond_band.value = np.where(np.arange(self.omega.size) <= k, 0.0, 1e3)
         try:
             self.problem.solve(solver=cp.CLARABEL)
         except cp.SolverError:

@@ -20,17 +20,16 @@ from ..problem.setting import Setting
 
 @dataclass(frozen=True)
 class Impossible:
-    """A constraint whose left side exceeds its right side at ω for every X; `ratio` is the best left/right."""
+    """A requirement that no X meets at ω: which, where [rad/s], why, and what to do instead."""
 
-    constraint: Constraint
+    what: str
     omega: float
-    ratio: float
+    why: str
+    remedy: str
 
     def __str__(self) -> str:
-        c = self.constraint
         place = "ω → 0" if self.omega == 0 else f"ω = {self.omega:.4g} rad/s"
-        excess = "its right side vanishes" if np.isinf(self.ratio) else f"left/right ≥ {self.ratio:.4g} (must be < 1)"
-        return f"{c.equation} {c.form} cannot hold at {place} for any Q: {excess}; {c.remedy}"
+        return f"{self.what} cannot hold at {place} for any controller: {self.why}; {self.remedy}"
 
     def error(self) -> InfeasibleError:
         """The error to raise for it."""
@@ -39,6 +38,14 @@ class Impossible:
 
 def impossible(setting: Setting) -> Impossible | None:
     """The first required constraint that fails pointwise for every X: at ω → 0, or at its worst frequency."""
+    loop = setting.loop
+    if loop.nominal.stiffness == 0 and loop.desired.stiffness == 0:
+        return Impossible(
+            "stability-free",
+            0.0,
+            "nothing restores the position when K_imp = 0 and K̂ = 0, so free motion keeps a pole at s = 0",
+            "ask for a small impedance.stiffness",
+        )
     low, high = frequency_scale(setting)
     evaluator = Evaluator(setting, np.geomspace(low / 30, high * 30, 600))
     for c in constraints(setting):
@@ -46,15 +53,22 @@ def impossible(setting: Setting) -> Impossible | None:
             continue
         for inequality in c.inequalities:
             if c.band[0] == 0 and (ratio := _ratio_at_zero(inequality, setting)) >= 1:
-                return Impossible(c, 0.0, ratio)
-            inside = (evaluator.omega >= float(c.band[0])) & (evaluator.omega <= float(c.band[1] or np.inf))
+                return _exceeded(c, 0.0, ratio)
+            inside = evaluator.inside(c)
             if _needs_disc(inequality) and np.any(beyond := inside & (evaluator.radius(inequality.source) >= 1)):
-                return Impossible(c, float(evaluator.omega[beyond][0]), np.inf)
+                why = "W ≥ 1 there, which leaves Δ/(1+Δ) unbounded"
+                return Impossible(f"{c.equation} {c.form}", float(evaluator.omega[beyond][0]), why, c.remedy)
             ratio_on_grid = np.where(inside, _best_ratio(inequality, evaluator), 0.0)
             k = int(np.argmax(ratio_on_grid))
             if ratio_on_grid[k] >= 1:
-                return Impossible(c, float(evaluator.omega[k]), float(ratio_on_grid[k]))
+                return _exceeded(c, float(evaluator.omega[k]), float(ratio_on_grid[k]))
     return None
+
+
+def _exceeded(c: Constraint, omega: float, ratio: float) -> Impossible:
+    """By how much: the least left/right that any X reaches."""
+    why = "its right side vanishes" if np.isinf(ratio) else f"left/right is at best {ratio:.4g} and must be below 1"
+    return Impossible(f"{c.equation} {c.form}", omega, why, c.remedy)
 
 
 def _needs_disc(inequality: Inequality) -> bool:

@@ -38,6 +38,7 @@ IPOPT: dict[str, Any] = {
     "ipopt.tol": 1e-6,
 }
 EXPLORING = {"ipopt.mu_strategy": "adaptive"}
+INTERRUPTED = ("NonIpopt_Exception_Thrown", "User_Requested_Stop")  # what CasADi makes of Ctrl-C
 REFINING = {"ipopt.mu_init": 1e-5, "ipopt.bound_push": 1e-8, "ipopt.bound_frac": 1e-8}  # stay near the start
 
 
@@ -128,8 +129,10 @@ class Program:
     def solve(self, x: NDArray[np.float64], omega_B: float) -> Candidate | None:
         """Search from one start. Returns None when the solver does not end at a point it calls feasible."""
         result = self.solver(x0=np.append(x, np.log(omega_B / self.omega_0)), **self.arguments)
-        solution = np.array(result["x"]).ravel()
-        if not self.solver.stats()["success"] or not np.all(np.isfinite(solution)):
+        solution, stats = np.array(result["x"]).ravel(), self.solver.stats()
+        if stats["return_status"] in INTERRUPTED:
+            raise KeyboardInterrupt
+        if not stats["success"] or not np.all(np.isfinite(solution)):
             return None
         omega_B = float(np.exp(solution[-1]) * self.omega_0)
         return Candidate(self.structure.rounded(solution[:-1], self.omega_0), omega_B, solution[:-1])

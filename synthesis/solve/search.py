@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -18,6 +18,7 @@ from .structure import Structure, structure_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+SCALES = (1.0, 1 / 8, 1 / 64)  # of the expected bandwidth, tried in turn: a bound that nothing limits is far too high
 DRAWN = 300  # random points; of those without a simpler structure to start from, the nearest to feasible are used
 STARTS = 12
 FIRST_STARTS = 30
@@ -67,8 +68,17 @@ class Search:
 
     def run(self) -> Found | None:
         """Best controller of the specified structure that survives the proof; None when the search finds none."""
+        for factor in SCALES:
+            found = replace(self, omega_0=self.omega_0 * factor)._at_scale()
+            if found is not None:
+                return found
+        return None
+
+    def _at_scale(self) -> Found | None:
         structure = structure_of(self.setting.spec)
         coarse = self._candidates(structure, np.random.default_rng(self.seed))
+        if not coarse:
+            return None
         grids = Grids.of(self.setting, self.omega_0, **FINE)
         program = Program(self.setting, structure, grids, self.omega_0, refining=True)
         refined = self._solve_all(program, [(c.x, 0.99 * c.omega_B) for c in coarse])

@@ -46,7 +46,7 @@ def _paper(setting: Setting, level: Fraction | None, band: tuple[Fraction, Fract
     )
     return Constraint(
         id="eq12",
-        equation="(12), sides exchanged",
+        equation="(12)",
         form="paper",
         statement="|Ĝ(jω−G_imp)| + 2vW/(1−vW)·|1−Q| < |Ĝ(jω+G_imp)|: with stability, passive behind an ideal actuator",
         uncertainty="disc of radius W < 1",
@@ -77,7 +77,7 @@ def _passive(setting: Setting, load: DynamicStiffness, source: Source) -> Inequa
 def _disc(setting: Setting, level: Fraction, band: tuple[Fraction, Fraction | None]) -> Constraint:
     return Constraint(
         id="eq12",
-        equation="(12), exact over the disc",
+        equation="(12)",
         form="disc",
         statement="Re(Z/jω) ≥ v for every |Δ| ≤ W: with stability-locked, a passive port with v to spare",
         uncertainty="disc of radius W < 1",
@@ -94,7 +94,7 @@ def _structured(setting: Setting, level: Fraction, band: tuple[Fraction, Fractio
     source = Source.NONE if setting.uncertainty.weight is None else Source.WEIGHT
     return Constraint(
         id="eq12",
-        equation="(12), structured",
+        equation="(12)",
         form="structured",
         statement="Re(Z/jω) ≥ v for every load: with stability-locked, a passive port with v to spare",
         uncertainty="every load of the box" + ("" if source is Source.NONE else ", each with the disc of the weight"),
@@ -103,4 +103,5 @@ def _structured(setting: Setting, level: Fraction, band: tuple[Fraction, Fractio
         band=band,
         strict=False,
         positive_real=band[1] is None,
+        remedy="give a band on which the weight stays below 1, or reduce the weight",
     )

@@ -1,0 +1,120 @@
+"""A file is complete or absent, whatever happens while it is written."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from robimp.synthesis.errors import InputError
+from robimp.synthesis.storage import demand_writable, write_atomic
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(entry.name for entry in folder.iterdir())
+
+
+def test_a_file_is_written_in_folders_that_are_made_for_it(tmp_path: Path) -> None:
+    target = tmp_path / "a" / "b" / "file.json"
+    write_atomic(target, b"content")
+    assert target.read_bytes() == b"content"
+    assert names(target.parent) == ["file.json"]
+    assert target.stat().st_mode & 0o777 == 0o644
+
+
+def test_a_file_is_replaced_whole(tmp_path: Path) -> None:
+    target = tmp_path / "file.json"
+    write_atomic(target, b"a long first content")
+    write_atomic(target, b"short")
+    assert target.read_bytes() == b"short"
+
+
+@pytest.mark.parametrize("step", ["fsync", "fdopen", "replace"])
+@pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()], ids=["full", "Ctrl-C"])
+def test_a_failure_at_any_step_leaves_the_old_file_and_no_litter(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, step: str, error: BaseException
+) -> None:
+    target = tmp_path / "file.json"
+    write_atomic(target, b"old")
+
+    def fail(*_: object, **__: object) -> None:
+        raise error
+
+    owner = Path if step == "replace" else os
+    with monkeypatch.context() as patched:
+        patched.setattr(owner, step, fail)
+        with pytest.raises(InputError if isinstance(error, OSError) else KeyboardInterrupt) as raised:
+            write_atomic(target, b"new")
+    if isinstance(error, OSError):
+        assert str(raised.value) == f"{target}: cannot be written: No space left on device"
+    assert target.read_bytes() == b"old"
+    assert names(tmp_path) == ["file.json"]
+    write_atomic(target, b"new")
+    assert target.read_bytes() == b"new", "the same write succeeds when nothing fails"
+
+
+def test_a_killed_writer_leaves_the_old_file(tmp_path: Path) -> None:
+    target = tmp_path / "file.json"
+    write_atomic(target, b"old")
+    script = (
+        "import os, sys, time\nfrom pathlib import Path\nfrom robimp.synthesis import storage\n"
+        "def hang(_):\n    print('writing', flush=True)\n    time.sleep(60)\n"
+        "os.fsync = hang\n"
+        "storage.write_atomic(Path(sys.argv[1]), b'new' * 100000)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", script, str(target)], stdout=subprocess.PIPE, text=True) as writer:
+        assert writer.stdout is not None and writer.stdout.readline() == "writing\n"
+        writer.send_signal(signal.SIGKILL)
+    assert target.read_bytes() == b"old"
+
+
+def test_a_reader_sees_the_old_file_or_the_new_one(tmp_path: Path) -> None:
+    target, end = tmp_path / "file.json", time.monotonic() + 0.5
+    versions = [letter * 200_000 for letter in (b"a", b"b")]
+    write_atomic(target, versions[0])
+    script = (
+        "import sys\nfrom pathlib import Path\nfrom robimp.synthesis.storage import write_atomic\n"
+        "while True:\n    for c in b'ab':\n        write_atomic(Path(sys.argv[1]), bytes([c]) * 200000)\n"
+    )
+    seen = set()
+    with subprocess.Popen([sys.executable, "-c", script, str(target)]) as writer:
+        while time.monotonic() < end or len(seen) < 2:
+            seen.add(target.read_bytes())
+            assert time.monotonic() < end + 20, "the writer never wrote"
+        writer.kill()
+    assert seen == set(versions)
+
+
+def test_places_that_cannot_be_written_are_refused_in_one_line(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_bytes(b"mine")
+    (tmp_path / "folder.json").mkdir()
+    for target in (file / "x.json", file / "deep" / "x.json", tmp_path / "folder.json", tmp_path / ("n" * 300)):
+        with pytest.raises(InputError, match="cannot be written") as refusal:
+            write_atomic(target, b"new")
+        assert str(target) in str(refusal.value) and "\n" not in str(refusal.value)
+    assert file.read_bytes() == b"mine"
+    assert names(tmp_path) == ["file", "folder.json"]
+
+
+def test_a_folder_is_judged_before_anything_is_computed(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_bytes(b"mine")
+    for folder in (file, file / "deep" / "er", tmp_path / ("n" * 300)):
+        with pytest.raises(InputError, match="cannot be written"):
+            demand_writable(folder)
+    demand_writable(tmp_path)
+    demand_writable(tmp_path / "new" / "er")
+    demand_writable(Path("out") / "relative")
+    assert names(tmp_path) == ["file"], "looking makes nothing"
+
+
+def test_a_folder_without_permission_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    demand_writable(tmp_path / "new")
+    monkeypatch.setattr(os, "access", lambda place, mode: not (Path(place) == tmp_path and mode & os.W_OK))
+    with pytest.raises(InputError, match="read-only"):
+        demand_writable(tmp_path / "new")
