@@ -8,7 +8,7 @@ import numpy as np
 
 from ..models.controller import Compensator
 from ..models.impedance import DynamicStiffness
-from .certificate.claims import Claim
+from .certificate.claim import Claim
 from .certificate.outcome import Outcome
 from .problem.setting import Setting
 from .simulation import Trials

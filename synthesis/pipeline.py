@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..models.controller import Compensator
 from .agreement import Agreement, compare
-from .certificate.claims import Claim, certify, counterexamples
+from .certificate.claim import Claim
+from .certificate.claims import certify, counterexamples
 from .certificate.document import document, verdict
 from .certificate.outcome import Outcome
 from .check import check_bytes

@@ -21,13 +21,16 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
+
 from robimp.synthesis import cli, pipeline
 from robimp.synthesis.check import Verdict, canonical_json
 from robimp.synthesis.errors import ExitCode
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
-PAPER, STIFF, FEEDBACK, EQ23 = (EXAMPLES / f"haninger2016-{name}.yaml" for name in ("paper", "stiff", "feedback", "eq23"))
+PAPER, STIFF, FEEDBACK, EQ23 = (
+    EXAMPLES / f"haninger2016-{name}.yaml" for name in ("paper", "stiff", "feedback", "eq23")
+)
 UNSTABLE = EXAMPLES / "unstable-optimum.yaml"
 BAD = sorted((ROOT / "tests" / "data" / "specs" / "bad").glob("*.yaml"))
 

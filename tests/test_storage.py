@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from robimp.synthesis.errors import InputError
 from robimp.synthesis.storage import demand_writable, write_atomic
 

@@ -44,9 +44,7 @@ def shift(p: Bivariate, k: int) -> Bivariate:
 def bernstein(p: Bivariate) -> Bivariate:
     """Bernstein coefficients in t on [0, 1] of a polynomial given by powers of t."""
     n = len(p) - 1
-    return tuple(
-        sum((p[i] * fmpq(comb(k, i), comb(n, i)) for i in range(k + 1)), fmpq_poly([0])) for k in range(n + 1)
-    )
+    return tuple(sum((p[i] * fmpq(comb(k, i), comb(n, i)) for i in range(k + 1)), fmpq_poly([0])) for k in range(n + 1))
 
 
 def halves(b: Bivariate) -> tuple[Bivariate, Bivariate]:

@@ -11,7 +11,7 @@ from ...models.rational import descending, fraction
 from ..problem.setting import Setting
 from ..spec import canonical, canonical_json, number_text, spec_sha256
 from ..spec.model import Polynomials
-from .claims import Claim, Refutation
+from .claim import Claim, Refutation
 from .outcome import Outcome
 
 FORMAT = 1

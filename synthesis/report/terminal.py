@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.table import Table
 
-from ..certificate.claims import Claim
+from ..certificate.claim import Claim
 from ..certificate.outcome import Outcome
 
 if TYPE_CHECKING:

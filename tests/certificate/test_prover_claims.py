@@ -12,9 +12,12 @@ from certificate_joints import PAPER_Q, SERIES_ELASTIC, random_case, rational, r
 from mpmath import mpf, workdps
 
 from robimp.models.rational import exact, fraction
-from robimp.synthesis.certificate.claims import Claim, Prover, Subject, certify, counterexamples
+from robimp.synthesis.certificate.claim import Claim
+from robimp.synthesis.certificate.claims import certify, counterexamples
 from robimp.synthesis.certificate.hurwitz import is_hurwitz
 from robimp.synthesis.certificate.outcome import Outcome
+from robimp.synthesis.certificate.prover import Prover, Subject
+from robimp.synthesis.certificate.stability import prove_stability
 from robimp.synthesis.problem.constraints import constraints
 from robimp.synthesis.spec.model import Polynomials, Spec
 
@@ -375,7 +378,7 @@ def test_decide_is_monotone_between_margin_and_twin():
 def test_stability_margins_are_routh_sandwiches():
     setting, C = reference()
     for claim, p in zip(
-        Prover.of(Subject(setting, C)).stability(),
+        prove_stability(setting, C),
         (setting.loop.free(setting.loop.nominal)(C), setting.loop.locked()(C)),
         strict=True,
     ):

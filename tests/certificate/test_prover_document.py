@@ -15,10 +15,11 @@ import pytest
 from certificate_joints import PAPER_Q, rational, reference
 
 from robimp.models.rational import exact
-from robimp.synthesis.certificate.claims import Prover, Subject, certify
+from robimp.synthesis.certificate.claims import certify
 from robimp.synthesis.certificate.document import document, verdict
 from robimp.synthesis.certificate.hurwitz import is_hurwitz
 from robimp.synthesis.certificate.outcome import Outcome
+from robimp.synthesis.certificate.prover import Prover, Subject
 from robimp.synthesis.check import check_bytes
 from robimp.synthesis.problem.constraints import constraints
 from robimp.synthesis.problem.setting import Setting

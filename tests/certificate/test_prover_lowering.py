@@ -12,8 +12,8 @@ from certificate_joints import random_case, subject
 from flint import fmpq, fmpq_poly
 
 from robimp.models.rational import exact, to_float
-from robimp.synthesis.certificate.claims import Subject
 from robimp.synthesis.certificate.lowering import SumOfRoots, abs2, even_part, in_s, lower, mirror
+from robimp.synthesis.certificate.prover import Subject
 from robimp.synthesis.problem.constraints import constraints
 from robimp.synthesis.problem.constraints.inequality import Constraint, Inequality, Role
 from robimp.synthesis.problem.grid import Evaluator

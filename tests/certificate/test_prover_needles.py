@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from certificate_joints import rational, spec, subject
 
-from robimp.synthesis.certificate.claims import Claim, certify, counterexamples
+from robimp.synthesis.certificate.claim import Claim
+from robimp.synthesis.certificate.claims import certify, counterexamples
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.spec.model import Polynomials, Spec

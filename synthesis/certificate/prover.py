@@ -1,0 +1,164 @@
+"""Exact proofs of one controller's constraints; the grid only says where to try."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+import numpy as np
+from flint import fmpq
+
+from ...models.controller import Compensator
+from ...models.rational import RationalFunction, exact, fraction
+from ..problem.constraints.inequality import Constraint, Gain, Role, Variable
+from ..problem.grid import Evaluator, grid
+from ..problem.setting import Setting
+from .lowering import SumOfRoots, lower
+from .outcome import Interval, Outcome, all_of
+from .positivity import holds
+from .witness import Witness, find_witness
+
+FAR = 1e5  # how far beyond the joint's own frequencies the grid reaches
+LARGEST_LEVEL = 1e6  # levels beyond this are not searched for
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What is being certified: a setting and one exact compensator."""
+
+    setting: Setting
+    compensator: Compensator
+
+    @property
+    def variables(self) -> dict[Variable, RationalFunction]:
+        """Q, Q̃ and L as exact functions of s."""
+        loop, C = self.setting.loop, self.compensator
+        return {Variable.Q: loop.Q_ideal(C), Variable.Q_TILDE: loop.Q_tilde(C), Variable.L: loop.L(C)}
+
+
+@dataclass(frozen=True)
+class Prover:
+    """Exact proofs of one subject's constraints; the grid only says where to try."""
+
+    subject: Subject
+    X: dict[Variable, RationalFunction]
+    evaluator: Evaluator
+
+    @classmethod
+    def of(cls, subject: Subject) -> Prover:
+        """Prepare the transfer functions and the grid that suggests levels and witnesses."""
+        X = subject.variables
+        return cls(subject, X, Evaluator(subject.setting, _grid_of(subject, X[Variable.Q_TILDE])))
+
+    def decide(self, constraint: Constraint, v: Fraction) -> Outcome:
+        """Whether a constraint holds at level v on its whole interval."""
+        interval = _squared(constraint.band)
+        outcomes = []
+        for index in range(len(constraint.inequalities)):
+            for lowered in self.lowered(constraint, index, v):
+                outcomes.append(holds(lowered, interval, strict=_strict(constraint)))
+                if outcomes[-1] is Outcome.REFUTED:
+                    return Outcome.REFUTED
+        if constraint.positive_real and self._failing_end() is not None:
+            return Outcome.REFUTED
+        return all_of(outcomes)
+
+    def lowered(self, constraint: Constraint, index: int, v: Fraction) -> Iterator[SumOfRoots]:
+        """One inequality of a constraint at level v, as polynomials."""
+        inequality = constraint.inequalities[index]
+        return lower(inequality, exact(v), self.X[inequality.variable], self.subject.setting.uncertainty)
+
+    def _failing_end(self) -> Witness | None:
+        """Where Z/s fails to be positive real: its residue Z(0) at s = 0 must be ≥ 0, and lim Z/s², that at ∞."""
+        setting = self.subject.setting
+        for load in setting.uncertainty.corners():
+            Z = setting.loop.Z(self.subject.compensator, load)
+            at_zero = Z.num[0] / Z.den[0] if Z.den[0] != 0 else fmpq(-1)
+            excess = Z.relative_degree
+            at_infinity = Z.num.leading_coefficient() / Z.den.leading_coefficient()
+            if at_zero < 0:
+                return Witness(Fraction(0), load)
+            if excess < -2 or (excess == -2 and at_infinity < 0):
+                return Witness(None, load)
+        return None
+
+    def witness(self, constraint: Constraint, v: Fraction) -> Witness | None:
+        """An exact point where the constraint fails at level v; the grid's worst frequency is tried first."""
+        _, omega, worst = self.evaluator.worst(constraint, float(v), self.X)
+        order = [worst, *(k for k in range(len(constraint.inequalities)) if k != worst)]
+        for index in order:
+            for lowered in self.lowered(constraint, index, v):
+                found = find_witness(lowered, _squared(constraint.band), (omega,), strict=_strict(constraint))
+                if found is not None:
+                    return found
+        return self._failing_end() if constraint.positive_real else None
+
+    def failing(self, constraint: Constraint, v: Fraction) -> tuple[float, ...]:
+        """Frequencies where a constraint fails worst: each local minimum of its slack on the grid, or the witness."""
+        evaluator = self.evaluator.with_ends(constraint)
+        inside = evaluator.inside(constraint)
+        found: list[float] = []
+        for inequality in constraint.inequalities:
+            slack = np.where(inside, evaluator.slack(inequality, float(v), self.X), np.inf)
+            padded = np.concatenate([[np.inf], slack, [np.inf]])
+            lowest = (slack < 0) & (slack <= padded[:-2]) & (slack <= padded[2:])
+            found += [float(omega) for omega in evaluator.omega[lowest]]
+        if not found:
+            witness = self.witness(constraint, v)
+            found = [np.inf if witness is None or witness.omega is None else float(witness.omega)]
+        return tuple(found)
+
+    def focused(self, constraint: Constraint) -> Prover:
+        """The same prover with a grid refined twice around the constraint's worst frequency."""
+        prover = self
+        for _ in range(2):
+            _, worst = prover.best_level(constraint)
+            omega = prover.evaluator.omega
+            k = int(np.searchsorted(omega, worst))
+            near = np.linspace(omega[max(k - 1, 0)], omega[min(k + 1, omega.size - 1)], 64)
+            prover = replace(prover, evaluator=Evaluator(self.subject.setting, np.unique([*omega, *near])))
+        return prover
+
+    def best_level(self, constraint: Constraint) -> tuple[float, float]:
+        """The hardest level that holds on the grid, in floats, and the frequency that decides it."""
+        inside, harder = self.evaluator.inside(constraint), constraint.role.harder
+        worst = (harder * LARGEST_LEVEL, 0.0)
+        for inequality in constraint.inequalities:
+            if any(term.gain is Gain.R for term in inequality.moduli):
+                return float(constraint.level or 1), 0.0  # not tightened: proven at the level asked for, or not
+            levels = np.where(inside, self.evaluator.levels(inequality, self.X), harder * LARGEST_LEVEL)
+            levels = np.where(np.isnan(levels), harder * LARGEST_LEVEL, levels)
+            k = int(np.argmin(harder * levels))
+            if harder * levels[k] < harder * worst[0]:
+                worst = (float(levels[k]), float(self.evaluator.omega[k]))
+        return worst
+
+
+def _strict(constraint: Constraint) -> bool:
+    return constraint.strict and constraint.role is Role.RADIUS
+
+
+def _squared(band: tuple[Fraction, Fraction | None]) -> Interval:
+    low, high = band
+    return exact(low * low), None if high is None else exact(high * high)
+
+
+def _grid_of(subject: Subject, Q_tilde: RationalFunction) -> np.ndarray:
+    """A dense grid, denser around every resonance of the closed loop."""
+    setting = subject.setting
+    middle = grid(setting, spread=1500)
+    ends = np.geomspace(1, FAR, 25)  # where limits at 0 and ∞ are approached
+    coarse = np.concatenate([middle, middle[0] / ends, middle[-1] * ends])
+    polynomials = [subject.setting.loop.locked()(subject.compensator), Q_tilde.num, Q_tilde.den]
+    polynomials += [setting.loop.free(load)(subject.compensator) for load in setting.uncertainty.corners()]
+    extra = []
+    for p in polynomials:
+        if p.degree() <= 0:
+            continue
+        lead = p.leading_coefficient()
+        for root in np.roots([float(fraction(c / lead)) for c in p.coeffs()[::-1]]):
+            width = max(abs(root.real), 1e-9 * abs(root))
+            extra.append(abs(root.imag) + width * np.linspace(-3, 3, 41))
+    omega = np.concatenate([coarse, *extra]) if extra else coarse
+    return np.unique(omega[(omega > 0) & np.isfinite(omega)])

@@ -1,0 +1,48 @@
+"""The stability claims: both ends, free and locked, with every mode counted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+
+from flint import fmpq_poly
+
+from ...models.controller import Compensator
+from ...models.rational import exact
+from ..problem.setting import Setting
+from .claim import Claim, Refutation
+from .hurwitz import decay_rate, is_hurwitz
+from .outcome import Outcome
+from .sandwich import TIGHTNESS
+from .witness import short
+
+
+def prove_stability(setting: Setting, C: Compensator) -> Iterator[Claim]:
+    """Nominal stability free (zeros of Z) and against a rigid wall (zeros of 1+HCF), with the decay rate."""
+    loop = setting.loop
+    free, locked = loop.free(loop.nominal)(C), loop.locked()(C)
+    yield _stability("stability-free", "denominator of (8) and (17)", "every mode in free motion", free)
+    yield _stability("stability-locked", "1 + HCF", "every mode against a rigid wall", locked)
+
+
+def _stability(id: str, equation: str, what: str, p: fmpq_poly) -> Claim:
+    rate = decay_rate(p)
+    levels = [short(rate * (1 - tightness), up=False) for tightness in TIGHTNESS] if rate > 0 else []
+    proven = next((v for v in [*levels, Fraction(0)] if is_hurwitz(p, exact(v))), None)
+    refuted = None
+    if proven is not None:
+        beyond = (short(rate * (1 + tightness), up=True) for tightness in TIGHTNESS)
+        value = next((v for v in beyond if v > proven and not is_hurwitz(p, exact(v))), None)
+        refuted = None if value is None else Refutation(value, None)
+    return Claim(
+        id=id,
+        equation=equation,
+        form="hurwitz",
+        statement=f"{what} decays faster than exp(−v·t), nominal load",
+        uncertainty="none: nominal load",
+        interval=(Fraction(0), None),
+        required=True,
+        status=Outcome.REFUTED if proven is None else Outcome.PROVEN,
+        margin=proven,
+        refuted_at=Refutation(Fraction(0), None) if proven is None else refuted,
+    )

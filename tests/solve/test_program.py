@@ -1,0 +1,180 @@
+"""The nonlinear program: stability through Routh's table, and what happens to the search without it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from robimp.models.closed_loop import Pencil
+from robimp.models.rational import descending
+from robimp.synthesis.certificate.hurwitz import is_hurwitz
+from robimp.synthesis.problem.setting import Setting
+from robimp.synthesis.solve.nlp import FIRST_BACK_OFF, Candidate, Grids, Program
+from robimp.synthesis.solve.structure import structure_of
+from robimp.synthesis.spec import parse_spec
+
+ROOT = Path(__file__).parents[2]
+GOOD = (ROOT / "tests" / "data" / "specs" / "good.yaml").read_text(encoding="utf-8")
+CONTROLLERS = {
+    "order 2": "{type: dob, order: 2}",
+    "order 3": "{type: dob, order: 3}",
+    "order 4": "{type: dob, order: 4}",
+    "order 5, filtered": "{type: dob, order: 5, filters: {force: 100, derivative: 1000}}",
+    "P": "{type: dynamic-feedback, order: 0}",
+    "PI, filtered twice": (
+        "{type: dynamic-feedback, order: 1, filters: {force: 100, position: none, derivative: 1000}}"
+    ),
+}
+
+
+def good(controller: str) -> Setting:
+    return Setting.of(parse_spec(GOOD.replace("{type: dob, order: 4}", CONTROLLERS[controller])))
+
+
+def small(setting: Setting, omega_0: float) -> Program:
+    grids = Grids.of(setting, omega_0, spread=3, dense=2, band=2)
+    return Program(setting, structure_of(setting.spec), grids, omega_0)
+
+
+def routh(program: Program, pencil: Pencil) -> ca.Function:
+    """The first column as a function of the parameters."""
+    x = ca.symvar(ca.vertcat(*program.num, *program.den))[0]
+    return ca.Function("routh", [x], [ca.vertcat(*program._routh(pencil))])
+
+
+@pytest.mark.parametrize("controller", CONTROLLERS)
+@pytest.mark.parametrize("end", ["locked", "free"])
+def test_rouths_column_is_positive_exactly_for_stable_loops(controller: str, end: str) -> None:
+    setting, omega_0 = good(controller), 25.0
+    pencil = setting.loop.locked() if end == "locked" else setting.loop.free(setting.loop.nominal)
+    program, structure = small(setting, omega_0), structure_of(setting.spec)
+    column, rng = routh(program, pencil), np.random.default_rng(0)
+    seen = set()
+    for _ in range(150):
+        x = structure.start(rng) * rng.choice([1.0, -1.0, 8.0, 30.0], size=structure.bounds[0].size)
+        polynomial = pencil(setting.compensator(structure.rounded(x, omega_0)))
+        roots = np.roots([float(c) for c in descending(polynomial / polynomial.leading_coefficient())])
+        worst = roots.real.max() / np.abs(roots).max()
+        if abs(worst) < 1e-7:
+            continue  # too close for floats to tell
+        positive = bool(np.all(np.array(column(x)) > 0))
+        assert positive == (worst < 0), (x, roots)
+        assert positive == is_hurwitz(polynomial)
+        seen.add(positive)
+    assert seen == {True, False}
+
+
+def test_a_column_without_its_last_entry_would_be_caught() -> None:
+    """The last entry is the constant coefficient: without it, a real pole on the right goes unseen."""
+    setting = good("order 2")
+    pencil = setting.loop.locked()
+    column = routh(small(setting, 25.0), pencil)
+    x = np.array([0.0, 0.7, 40.0])  # Q(0) = 40: C = Q/(1−Q) has negative gain
+    entries = np.array(column(x)).ravel()
+    assert not np.all(entries > 0)
+    assert not is_hurwitz(pencil(setting.compensator(structure_of(setting.spec).rounded(x, 25.0))))
+
+
+def slow_torque_loop(order: int) -> Setting:
+    """The joint of the example whose optimum is unstable, with its controller to be found."""
+    text = (ROOT / "examples" / "unstable-optimum.yaml").read_text(encoding="utf-8")
+    begin, end = text.index("  coefficients:"), text.index("objective:")
+    return Setting.of(parse_spec(f"{text[:begin]}  order: {order}\n\n{text[end:]}"))
+
+
+def candidates(setting: Setting, omega_0: float, starts: int) -> list[Candidate]:
+    """What the program finds on a coarse grid from its best random starts."""
+    structure, rng = structure_of(setting.spec), np.random.default_rng(0)
+    program = Program(setting, structure, Grids.of(setting, omega_0, spread=14, dense=20, band=10), omega_0)
+    drawn = sorted((structure.start(rng) for _ in range(100)), key=lambda x: program.violation(x, 0.1 * omega_0))
+    found = [program.solve(x, 0.1 * omega_0) for x in drawn[:starts]]
+    return [candidate for candidate in found if candidate is not None]
+
+
+def stable(setting: Setting, candidate: Candidate) -> bool:
+    C, loop = setting.compensator(candidate.coefficients), setting.loop
+    return is_hurwitz(loop.locked()(C)) and is_hurwitz(loop.free(loop.nominal)(C))
+
+
+def test_only_rouths_rows_keep_the_search_among_stable_loops(monkeypatch: pytest.MonkeyPatch) -> None:
+    setting = slow_torque_loop(4)
+    found = candidates(setting, 13.0, 8)
+    assert len(found) >= 3
+    assert all(stable(setting, candidate) for candidate in found)
+    best = max(candidate.omega_B for candidate in found)
+
+    monkeypatch.setattr(Program, "_routh", lambda self, pencil: [1.0])
+    unguarded = candidates(setting, 13.0, 8)
+    unstable = [candidate for candidate in unguarded if not stable(setting, candidate)]
+    assert unstable, "without the rows nothing unstable is found either: they would be superfluous"
+    assert max(candidate.omega_B for candidate in unstable) > 3 * best, "and it looks far better than the truth"
+
+
+def test_a_start_that_satisfies_everything_has_no_violation() -> None:
+    """The paper's Q on the reference joint, at its own ω_B and a little beyond."""
+    setting, omega_0 = good("order 2"), 10.0
+    grids = Grids.of(setting, omega_0, spread=30, dense=30, band=10)
+    program = Program(setting, structure_of(setting.spec), grids, omega_0)
+    x = np.array([np.log(50 / omega_0), 0.7075, 2000 / omega_0**2])
+    assert program.violation(x, 8.8) <= 0
+    assert program.violation(x, 9.0) > FIRST_BACK_OFF
+    assert program.violation(x * np.nan, 8.8) == np.inf
+
+
+def test_a_solution_is_better_than_its_start_and_inside_the_bounds() -> None:
+    setting, omega_0 = good("order 2"), 10.0
+    structure = structure_of(setting.spec)
+    program = Program(setting, structure, Grids.of(setting, omega_0, spread=14, dense=20, band=10), omega_0)
+    x = np.array([np.log(50 / omega_0), 0.7075, 2000 / omega_0**2])
+    found = program.solve(x, 8.8)
+    assert found is not None and 13 < found.omega_B < 14
+    low, high = structure.bounds
+    assert np.all(low - 1e-6 <= found.x) and np.all(found.x <= high + 1e-6)
+    assert program.violation(found.x, found.omega_B) < 1e-5 < program.violation(found.x, 1.01 * found.omega_B)
+
+
+class Answer:
+    """A solver with an answer of its own."""
+
+    def __init__(self, x: list[float], success: bool, status: str = "Solve_Succeeded") -> None:
+        self.x, self.status = x, {"success": success, "return_status": status}
+
+    def __call__(self, **_: Any) -> dict[str, Any]:
+        return {"x": np.array(self.x)}
+
+    def stats(self) -> dict[str, Any]:
+        return self.status
+
+
+def test_the_solvers_word_is_not_enough() -> None:
+    program, start = small(good("P"), 10.0), np.array([1.0])
+    program.solver = Answer([2.0, 0.5], success=True)
+    found = program.solve(start, 5.0)
+    assert found is not None and found.omega_B == pytest.approx(10 * np.exp(0.5))
+    for answer in ([np.nan, 0.5], [2.0, np.nan], [np.inf, 0.5]):
+        program.solver = Answer(answer, success=True)
+        assert program.solve(start, 5.0) is None
+    program.solver = Answer([2.0, 0.5], success=False)
+    assert program.solve(start, 5.0) is None
+
+
+def test_a_keyboard_interrupt_that_the_solver_swallowed_is_raised_again() -> None:
+    program = small(good("P"), 10.0)
+    program.solver = Answer([2.0, 0.5], success=False, status="NonIpopt_Exception_Thrown")
+    with pytest.raises(KeyboardInterrupt):
+        program.solve(np.array([1.0]), 5.0)
+    program.solver = Answer([2.0, 0.5], success=False, status="Infeasible_Problem_Detected")
+    assert program.solve(np.array([1.0]), 5.0) is None
+
+
+def test_refining_adds_points_with_neighbours_and_slack() -> None:
+    grids = Grids(np.array([1.0, 10.0]), np.array([0.1, 1.0]))
+    finer = grids.refined([5.0], [0.5, 1.0])
+    np.testing.assert_allclose(finer.omega, [1.0, 4.95, 5.0, 5.05, 10.0])
+    np.testing.assert_allclose(finer.band, [0.1, 0.495, 0.5, 0.505, 0.99, 1.0])
+    assert finer.band.max() <= 1, "nothing beyond ω_B"
+    assert finer.back_off > grids.back_off
