@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -35,8 +36,11 @@ def fraction(value: fmpq) -> Fraction:
 
 
 def to_float(value: fmpq) -> float:
-    """The nearest double; correct for numerators and denominators far beyond double range."""
-    return int(value.p) / int(value.q)
+    """The nearest double; numerator and denominator may be far beyond double range, ±inf if the quotient is."""
+    try:
+        return int(value.p) / int(value.q)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def polynomial(descending: Iterable[Scalar]) -> fmpq_poly:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str], None]
 
-BOUND_TERMS = 40
+BOUND_TERMS, MOST_TERMS = 40, 160
 SAMPLING_RATE = 1000.0  # Hz; what the information about sampling is shown for
 VERDICT_CODE = {
     Outcome.PROVEN: ExitCode.PROVEN,
@@ -157,6 +157,9 @@ def _search(setting: Setting, progress: Progress, deadline: float | None) -> tup
             f"no controller of this structure was found that can be proven ({hint}); "
             "try another order, a smaller uncertainty, more damping in the impedance, or a larger attenuation"
         )
+    while limit is not None and limit.omega_B < found.candidate.omega_B:  # too few terms to bound this order
+        progress(f"bound: convex program with {2 * limit.terms} terms")
+        limit = bound(setting, 2 * limit.terms) if limit.terms < MOST_TERMS else None
     return found.candidate.coefficients, limit
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from flint import fmpq
 
 from ...models.controller import Compensator
-from ...models.rational import RationalFunction, exact, fraction
+from ...models.rational import RationalFunction, exact
 from ..problem.constraints.inequality import Constraint, Gain, Role, Variable
-from ..problem.grid import Evaluator, grid
+from ..problem.grid import Evaluator, float_roots, grid
 from ..problem.setting import Setting
 from .lowering import SumOfRoots, lower
 from .outcome import Interval, Outcome, all_of
@@ -153,12 +153,8 @@ def _grid_of(subject: Subject, Q_tilde: RationalFunction) -> np.ndarray:
     polynomials = [subject.setting.loop.locked()(subject.compensator), Q_tilde.num, Q_tilde.den]
     polynomials += [setting.loop.free(load)(subject.compensator) for load in setting.uncertainty.corners()]
     extra = []
-    for p in polynomials:
-        if p.degree() <= 0:
-            continue
-        lead = p.leading_coefficient()
-        for root in np.roots([float(fraction(c / lead)) for c in p.coeffs()[::-1]]):
-            width = max(abs(root.real), 1e-9 * abs(root))
-            extra.append(abs(root.imag) + width * np.linspace(-3, 3, 41))
-    omega = np.concatenate([coarse, *extra]) if extra else coarse
+    for root in (root for p in polynomials for root in float_roots(p)):
+        width = max(abs(root.real), 1e-9 * abs(root))
+        extra.append(abs(root.imag) + width * np.linspace(-3, 3, 41))
+    omega = np.concatenate([coarse, *extra])
     return np.unique(omega[(omega > 0) & np.isfinite(omega)])

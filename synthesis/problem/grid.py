@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from flint import fmpq_poly
 
-from ...models.rational import RationalFunction
+from ...models.rational import RationalFunction, to_float
 from .constraints.inequality import Constraint, Inequality, Role, Source, Variable
 from .setting import Setting
 
@@ -23,14 +24,20 @@ def frequency_scale(setting: Setting) -> tuple[float, float]:
     polynomials += [load.polynomial for load in uncertainty.corners()]
     if uncertainty.weight is not None:
         polynomials += [uncertainty.weight.num, uncertainty.weight.den]
-    magnitudes = [abs(complex(root)) for p in polynomials if p.degree() > 0 for root in np.roots(_descending(p))]
-    relevant = [m for m in magnitudes if np.isfinite(m) and m > 0]
+    relevant = [abs(root) for p in polynomials for root in float_roots(p) if root != 0]
     return (min(relevant), max(relevant)) if relevant else (1.0, 1.0)
 
 
-def _descending(p: Any) -> list[float]:
+def float_roots(p: fmpq_poly) -> list[complex]:
+    """Roots in floats, to look near; none for coefficients too far apart for floats."""
+    if p.degree() <= 0:
+        return []
     lead = p.leading_coefficient()
-    return [int((c / lead).p) / int((c / lead).q) for c in p.coeffs()[::-1]]
+    coefficients = np.array([to_float(c / lead) for c in p.coeffs()[::-1]])
+    if not np.all(np.isfinite(coefficients)):
+        return []
+    with np.errstate(all="ignore"):
+        return [complex(root) for root in np.roots(coefficients) if np.isfinite(root)]
 
 
 def grid(setting: Setting, *, around: float | None = None, spread: int = 100, dense: int = 0) -> NDArray[np.float64]:
@@ -75,7 +82,7 @@ class Evaluator:
             return np.asarray((right - left) / scale)
 
     def levels(self, inequality: Inequality, X: dict[Variable, RationalFunction]) -> NDArray[np.float64]:
-        """The level v at which the inequality is an equality at each ω. Returns (n,); not for the gain W/(1−W)."""
+        """The hardest level v that holds at each ω, negative where none does. Returns (n,); not for the gain R."""
         at = cache(lambda r: r.at(self.omega))
         W, value = self.radius(inequality.source), at(X[inequality.variable])
         with np.errstate(all="ignore"):

@@ -7,6 +7,7 @@ number from a solver on a grid: reported, used to start and to judge the search,
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -132,8 +133,10 @@ class _Program:
 
         self.beyond_band.value = np.where(np.arange(self.omega.size) <= k, 0.0, 1e3)
         try:
-            self.problem.solve(solver=cp.CLARABEL)
-        except cp.SolverError:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # an inaccurate optimum is judged by its status, below
+                self.problem.solve(solver=cp.CLARABEL)
+        except (cp.SolverError, ValueError):  # ValueError: data that are not finite
             return False
         return self.problem.status in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE)
 

@@ -139,9 +139,12 @@ class Search:
                 [c.omega for c in refuting if not c.on_band and 0 < c.omega < np.inf],
                 [c.omega / candidate.omega_B for c in refuting if c.on_band],
             )
-            program = Program(self.setting, structure, grids, self.omega_0, refining=True)
-            again = program.solve(candidate.x, candidate.omega_B)
-            if again is None:
+            for refining in (True, False):  # near the last optimum if IPOPT can, else from it
+                program = Program(self.setting, structure, grids, self.omega_0, refining=refining)
+                again = program.solve(candidate.x, candidate.omega_B)
+                if again is not None:
+                    break
+            else:
                 return None
             candidate = again
         return None

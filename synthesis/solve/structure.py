@@ -98,7 +98,7 @@ class QFilter(Structure):
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """See `Structure`."""
         n, odd, zeros = self._sections, self.order % 2, self.order - 1
-        far, free = np.log(100.0), 1e4
+        far, free = np.log(100.0), 10.0 ** max(4, self.order)  # holds every start
         low = [-far] * n + [LEAST_DAMPING] * n + [-far] * odd + [-free] * zeros
         high = [far] * n + [MOST_DAMPING] * n + [far] * odd + [free] * zeros
         return np.array(low), np.array(high)

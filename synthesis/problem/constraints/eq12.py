@@ -54,7 +54,7 @@ def _paper(setting: Setting, level: Fraction | None, band: tuple[Fraction, Fract
         level=level,
         band=band,
         largest_band=level is None,
-        remedy="use form: structured (exact over the box, whole axis), or give a band on which W < 1",
+        remedy="use form: structured (exact over the box, whole axis), or give a band above ω = 0 on which W < 1",
     )
 
 
@@ -86,7 +86,7 @@ def _disc(setting: Setting, level: Fraction, band: tuple[Fraction, Fraction | No
         band=band,
         strict=False,
         positive_real=band[1] is None,
-        remedy="use form: structured (exact over the box, whole axis), or give a band on which W < 1",
+        remedy="use form: structured (exact over the box, whole axis), or give a band above ω = 0 on which W < 1",
     )
 
 
