@@ -69,13 +69,15 @@ class Search:
     def run(self) -> Found | None:
         """Best controller of the specified structure that survives the proof; None when the search finds none."""
         for factor in SCALES:
-            found = replace(self, omega_0=self.omega_0 * factor)._at_scale()
-            if found is not None:
-                return found
+            structure: Structure | None = structure_of(self.setting.spec)
+            while structure is not None:  # a controller of lower order is one of this order, too
+                found = replace(self, omega_0=self.omega_0 * factor)._at_scale(structure)
+                if found is not None:
+                    return found
+                structure = structure.simpler
         return None
 
-    def _at_scale(self) -> Found | None:
-        structure = structure_of(self.setting.spec)
+    def _at_scale(self, structure: Structure) -> Found | None:
         coarse = self._candidates(structure, np.random.default_rng(self.seed))
         if not coarse:
             return None
@@ -92,13 +94,17 @@ class Search:
         """Distinct optima on the coarse grid, best first: from the simpler structure's, and from random starts where
         those give none."""
         found: list[Candidate] = []
-        program = Program(self.setting, structure, Grids.of(self.setting, self.omega_0, **COARSE), self.omega_0)
+        grids = Grids.of(self.setting, self.omega_0, **COARSE)
+        program = Program(self.setting, structure, grids, self.omega_0)
         if structure.simpler is not None:
             below = self._candidates(structure.simpler, rng)[:EXTENDED]
             self.progress(f"searching {structure}")
             each = STARTS // max(1, len(below))
             starts = [(structure.extended(c.x, rng), 0.95 * c.omega_B) for c in below for _ in range(each)]
             found = self._solve_all(program, starts)
+            if not found:  # the starts are feasible: stay near them, and be at least as good as the simpler structure
+                near = Program(self.setting, structure, grids, self.omega_0, refining=True)
+                found = self._solve_all(near, starts)
         if not found:
             self.progress(f"searching {structure} from random starts")
             omega_B = 0.1 * self.omega_0
