@@ -47,7 +47,9 @@ def main() -> None:
     upper.set(xscale="log", ylim=(0, 1.7), ylabel="|1 − Q̃|, what is left\nof a disturbance")
     upper.legend(loc="upper left")
     lower.axhline(0, color="0.3", linewidth=0.8)
-    lower.set(ylim=(-0.05, 0.4), xlabel="ω [rad/s]", ylabel="least Re(Z/jω) over all loads\n[N·m·s/rad], passive if ≥ 0")
+    lower.set(
+        ylim=(-0.05, 0.4), xlabel="ω [rad/s]", ylabel="least Re(Z/jω) over all loads\n[N·m·s/rad], passive if ≥ 0"
+    )
     figure.savefig(FOLDER / "haninger2016.svg", metadata={"Date": None})
 
 

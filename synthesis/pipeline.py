@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 Progress = Callable[[str], None]
 
 BOUND_TERMS, MOST_TERMS = 40, 160
+FLOAT_DECADES = 1e9  # ratio of frequencies beyond which poles in floating point mean little
 SAMPLING_RATE = 1000.0  # Hz; what the information about sampling is shown for
 VERDICT_CODE = {
     Outcome.PROVEN: ExitCode.PROVEN,
@@ -97,6 +98,12 @@ def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: f
     numbers = tuple(tuple(Fraction(c) for c in part) for part in compensator)
     trials = verify(spec, (numbers[0], numbers[1]), quick=True)
     agreement = compare(setting, C, claims, trials)
+    low, high = frequency_scale(setting)
+    if agreement.contradictions and high > FLOAT_DECADES * low:
+        raise UndecidedError(
+            f"the joint's own frequencies span {low:.1g} to {high:.1g} rad/s, too far apart for a simulation in "
+            f"floating point to confirm the proof ({agreement.contradictions[0]}); check the units"
+        )
     if agreement.contradictions:
         raise RobimpError(f"simulation and proof disagree, so nothing is certified: {agreement.contradictions[0]}")
     sampled = sampled_comparison(spec, (numbers[0], numbers[1]), SAMPLING_RATE)

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+
 from robimp.synthesis import simulation
 from robimp.synthesis.errors import InputError, RobimpError
 from robimp.synthesis.simulation import (
@@ -42,7 +44,6 @@ from robimp.synthesis.spec.model import (
     TorqueLoop,
     Uncertainty,
 )
-from scipy.integrate import solve_ivp
 
 DRIVE = SeriesElasticActuator(
     type="series-elastic",

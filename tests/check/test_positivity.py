@@ -9,6 +9,7 @@ from math import isqrt, sqrt
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from robimp.synthesis.check.hurwitz import decays_faster
 from robimp.synthesis.check.outcome import Clock, UndecidedError
 from robimp.synthesis.check.polynomials import ONE, ZERO, OnAxis, Poly, common_divisor, norm2, product

@@ -8,6 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 
 import pytest
+
 from robimp.synthesis.errors import InputError
 from robimp.synthesis.spec import Spec, load_spec, parse_spec
 from robimp.synthesis.spec.model import IdealActuator, SeriesElasticActuator

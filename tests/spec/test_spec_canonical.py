@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+
 from robimp.synthesis.errors import InputError
 from robimp.synthesis.spec import canonical, canonical_json, from_canonical, number_text, parse_spec, spec_sha256
 

@@ -9,6 +9,7 @@ from fractions import Fraction
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
 from robimp.synthesis.errors import InputError
 from robimp.synthesis.spec import Spec, canonical, fields, from_canonical, parse_spec
 from robimp.synthesis.spec.exact import number_text, parse_number

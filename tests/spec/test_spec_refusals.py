@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
+
 from robimp.synthesis.errors import InputError
 from robimp.synthesis.spec import Spec, load_spec, parse_spec
 

@@ -9,9 +9,10 @@ from typing import Any
 import jsonschema
 import pytest
 from pydantic import BaseModel
+from ruamel.yaml import YAML
+
 from robimp.synthesis.spec import Spec, json_schema
 from robimp.synthesis.spec.model import SeriesElasticActuator
-from ruamel.yaml import YAML
 
 SPECS = Path(__file__).parents[1] / "data" / "specs"
 Edit = Callable[..., str]

@@ -1,0 +1,141 @@
+"""The examples reach the figures they are kept for, and reach them again: proven, not hoped."""
+
+from __future__ import annotations
+
+import copy
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from fractions import Fraction
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robimp.synthesis import ExitCode, Result, load, synthesize
+from robimp.synthesis.check import canonical_json, check_bytes
+from robimp.synthesis.problem.setting import Setting
+from robimp.synthesis.solve.structure import QFilter
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+SEARCHED = ("haninger2016", "haninger2016-eq23")
+
+
+@pytest.fixture(scope="session")
+def result() -> Callable[[str], Result]:
+    """An example's result; each is computed once."""
+    return cache(lambda name: synthesize(load(EXAMPLES / f"{name}.yaml")))
+
+
+Results = Callable[[str], Result]
+
+
+def test_order_4_on_the_reference_joint(result: Results) -> None:
+    reference = result("haninger2016")
+    assert reference.exit_code is ExitCode.PROVEN
+    assert 38 <= reference.omega_B < 42
+
+
+def test_the_papers_form_optimised(result: Results) -> None:
+    eq23 = result("haninger2016-eq23")
+    assert eq23.exit_code is ExitCode.PROVEN
+    assert 13 <= eq23.omega_B < Fraction("13.5")
+    assert len(eq23.coefficients.numerator) == 1 and len(eq23.coefficients.denominator) == 3
+
+
+def test_the_papers_own_tuning(result: Results) -> None:
+    paper = result("haninger2016-paper")
+    assert paper.exit_code is ExitCode.PROVEN and paper.bound is None
+    assert Fraction("8.87") < paper.omega_B < Fraction("8.88")
+
+
+def test_each_is_better_than_the_one_before_and_none_beats_the_bound(result: Results) -> None:
+    paper, eq23, reference = (result(name) for name in ("haninger2016-paper", "haninger2016-eq23", "haninger2016"))
+    assert reference.bound is not None and reference.bound.terms == 40
+    assert 48 <= reference.bound.omega_B < 52
+    assert paper.omega_B < eq23.omega_B < reference.omega_B < reference.bound.omega_B
+    assert eq23.bound is not None and eq23.bound.omega_B == pytest.approx(reference.bound.omega_B, rel=0.01)
+
+
+@pytest.mark.parametrize("name", [*SEARCHED, "haninger2016-paper"])
+def test_a_dense_grid_sees_what_was_proven(result: Results, name: str) -> None:
+    """Floats on 20,000 frequencies: nothing here is used by the proof."""
+    found = result(name)
+    setting = Setting.of(found.spec)
+    C, omega = setting.compensator(found.coefficients), np.geomspace(1e-3, 1e5, 20_000)
+    left, omega_B = np.abs(1 - setting.loop.Q_tilde(C).at(omega)), float(found.omega_B)
+    assert np.all(left[omega <= omega_B] <= 0.3 + 1e-9)
+    assert np.any(left[(omega > omega_B) & (omega < 1.01 * omega_B)] > 0.3), "ω_B could be larger"
+    assert left.max() <= 2
+    for load_ in setting.uncertainty.corners():
+        resistance = (setting.loop.Z(C, load_).at(omega) / (1j * omega)).real
+        assert resistance.min() > -1e-9
+    for pencil in (setting.loop.locked(), setting.loop.free(setting.loop.nominal)):
+        polynomial = pencil(C)
+        scaled = polynomial / polynomial.leading_coefficient()
+        assert np.roots([int(c.p) / int(c.q) for c in scaled.coeffs()[::-1]]).real.max() < 0
+
+
+@pytest.mark.parametrize("name", SEARCHED)
+def test_what_is_shipped_has_few_digits(result: Results, name: str) -> None:
+    coefficients = result(name).coefficients
+    for c in (*coefficients.numerator, *coefficients.denominator):
+        assert c == Fraction(f"{float(c):.5e}")
+    assert float(Fraction(1, 3)) != Fraction(f"{1 / 3:.5e}")
+
+
+@pytest.mark.parametrize("name", [*SEARCHED, "haninger2016-paper"])
+def test_the_independent_checker_confirms_it_and_refuses_a_little_more(result: Results, name: str) -> None:
+    certificate = result(name).certificate
+    assert check_bytes(json.dumps(certificate).encode()).exit_code == ExitCode.PROVEN
+    assert check_bytes(json.dumps(faster(certificate)).encode()).exit_code == ExitCode.REFUTED
+
+
+def faster(certificate: dict[str, Any]) -> dict[str, Any]:
+    """A sealed certificate that promises 0.1 % more bandwidth."""
+    edited = copy.deepcopy(certificate)
+    omega_B = Fraction(edited["bandwidth"]["proven"]) * Fraction("1.001")
+    edited["bandwidth"] = {"proven": str(omega_B), "refuted_at": None, "bound": edited["bandwidth"]["bound"]}
+    for claim in edited["claims"]:
+        if claim["id"] in ("bandwidth", "rendering"):
+            claim["interval"][1], claim["refuted_at"] = str(omega_B), None
+        if claim["id"] == "bandwidth":
+            claim["margin"] = str(omega_B)
+    body = {key: part for key, part in edited.items() if key != "end"}
+    edited["end"]["body_sha256"] = sha256(canonical_json(body)).hexdigest()
+    return edited
+
+
+def test_another_process_finds_the_same_coefficients(result: Results, tmp_path: Path) -> None:
+    script = "from robimp.synthesis.cli import main\nmain()"
+    subprocess.run(
+        [sys.executable, "-c", script, "synth", str(EXAMPLES / "haninger2016.yaml"), "-o", str(tmp_path)],
+        check=True,
+        capture_output=True,
+        timeout=120,
+        env={**os.environ, "PYTHONHASHSEED": "12345"},
+    )
+    again = json.loads((tmp_path / "certificate.json").read_text(encoding="utf-8"))
+    assert again == result("haninger2016").certificate
+    starts = [QFilter(4).start(np.random.default_rng(seed)) for seed in (0, 0, 1)]
+    assert np.array_equal(starts[0], starts[1]) and not np.array_equal(starts[0], starts[2]), "the seed decides"
+
+
+def test_every_example_is_named_as_its_file_and_has_an_outcome(result: Results) -> None:
+    outcomes = {
+        "haninger2016": ExitCode.PROVEN,
+        "haninger2016-eq23": ExitCode.PROVEN,
+        "haninger2016-feedback": ExitCode.REFUTED,
+        "haninger2016-paper": ExitCode.PROVEN,
+        "haninger2016-stiff": ExitCode.REFUTED,
+        "unstable-optimum": ExitCode.REFUTED,
+    }
+    assert set(outcomes) == {path.stem for path in EXAMPLES.glob("*.yaml")}
+    for name, outcome in outcomes.items():
+        assert result(name).spec.name == name
+        assert result(name).exit_code is outcome

@@ -1,0 +1,185 @@
+"""The stations in order: what each hands on, and that none is skipped."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robimp.synthesis import InputError, Result, RobimpError, pipeline
+from robimp.synthesis.agreement import compare
+from robimp.synthesis.certificate.claims import Claim, certify
+from robimp.synthesis.certificate.outcome import Outcome
+from robimp.synthesis.check import check_bytes
+from robimp.synthesis.errors import ExitCode
+from robimp.synthesis.pipeline import realizable, setting_of, synthesize
+from robimp.synthesis.spec import load_spec, parse_spec, spec_sha256
+from robimp.synthesis.spec.model import Polynomials
+
+ROOT = Path(__file__).parents[1]
+GOOD = (ROOT / "tests" / "data" / "specs" / "good.yaml").read_text(encoding="utf-8")
+PAPER = "{type: dob, coefficients: {numerator: [2000], denominator: [1, 70.75, 2500]}}"
+
+
+def spec_text(*pairs: tuple[str, str]) -> str:
+    text = GOOD.replace("{type: dob, order: 4}", PAPER)
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new)
+    return text
+
+
+@pytest.fixture(scope="module")
+def paper() -> Result:
+    return synthesize(parse_spec(spec_text()))
+
+
+def test_the_stations_report_in_order() -> None:
+    said: list[str] = []
+    synthesize(parse_spec(spec_text()), said.append)
+    assert [text.split()[0] for text in said] == ["proving", "re-checking", "simulating"]
+
+
+def test_the_result_holds_what_the_certificate_says(paper: Result) -> None:
+    certificate = paper.certificate
+    assert json.loads(paper.certificate_bytes()) == certificate
+    assert certificate["spec_sha256"] == spec_sha256(paper.spec)
+    assert Fraction(certificate["bandwidth"]["proven"]) == paper.omega_B
+    assert [claim["status"] for claim in certificate["claims"]] == [claim.status.value for claim in paper.claims]
+    assert certificate["end"]["claims"] == len(paper.claims)
+    assert certificate["controller"]["Q"] == {"numerator": ["2000"], "denominator": ["1", "283/4", "2500"]}
+    assert (paper.outcome, paper.exit_code, paper.bound) == (Outcome.PROVEN, ExitCode.PROVEN, None)
+    assert check_bytes(paper.certificate_bytes()).exit_code == ExitCode.PROVEN
+    assert check_bytes(paper.certificate_bytes()[:-2]).exit_code == ExitCode.INPUT
+
+
+@pytest.mark.parametrize(
+    ("status", "required", "outcome", "code"),
+    [
+        (Outcome.PROVEN, True, Outcome.PROVEN, ExitCode.PROVEN),
+        (Outcome.REFUTED, True, Outcome.REFUTED, ExitCode.REFUTED),
+        (Outcome.UNDECIDED, True, Outcome.UNDECIDED, ExitCode.UNDECIDED),
+        (Outcome.REFUTED, False, Outcome.PROVEN, ExitCode.PROVEN),
+        (Outcome.UNDECIDED, False, Outcome.PROVEN, ExitCode.PROVEN),
+    ],
+)
+def test_the_outcome_is_that_of_the_required_claims(
+    paper: Result, status: Outcome, required: bool, outcome: Outcome, code: ExitCode
+) -> None:
+    one = next(index for index, claim in enumerate(paper.claims) if claim.id == "peak")
+    claims = list(paper.claims)
+    claims[one] = replace(claims[one], status=status, required=required)
+    changed = replace(paper, claims=tuple(claims))
+    assert (changed.outcome, changed.exit_code) == (outcome, code)
+
+
+def test_refuted_weighs_more_than_undecided(paper: Result) -> None:
+    claims = [replace(claim, required=True, status=Outcome.UNDECIDED) for claim in paper.claims]
+    assert replace(paper, claims=tuple(claims)).exit_code is ExitCode.UNDECIDED
+    claims[-1] = replace(claims[-1], status=Outcome.REFUTED)
+    assert replace(paper, claims=tuple(claims)).exit_code is ExitCode.REFUTED
+
+
+def test_the_producer_names_versions(paper: Result) -> None:
+    assert {"robimp", "python", "python-flint", "casadi", "cvxpy", "clarabel", "numpy"} == set(
+        paper.certificate["producer"]
+    )
+
+
+@pytest.mark.parametrize("place", ["peak", "eq9", "bandwidth"])
+def test_a_prover_that_claims_too_much_is_stopped(place: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only the claim is changed: the controller is right, the words about it are not."""
+    better = {"peak": Fraction(1), "eq9": Fraction(50), "bandwidth": Fraction(9)}[place]
+
+    def boastful(*arguments: Any) -> Any:
+        for claim in certify(*arguments):
+            if claim.id == place:
+                claim = replace(claim, margin=better, refuted_at=None)
+            if place == "bandwidth" and claim.id in ("bandwidth", "rendering"):
+                claim = replace(claim, interval=(Fraction(0), better), refuted_at=None)
+            yield claim
+
+    monkeypatch.setattr(pipeline, "certify", lambda *a: tuple(boastful(*a)))
+    with pytest.raises(RobimpError, match=f"prover says proven, the independent checker says: {place}"):
+        synthesize(parse_spec(spec_text()))
+
+
+def test_a_false_refutation_is_stopped_even_where_another_claim_is_rightly_refuted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Both verdicts are `refuted`: only the comparison claim by claim tells them apart."""
+    stiff = parse_spec(spec_text(("damping: 0.35, stiffness: 1.25", "damping: 0.25, stiffness: 3")))
+    assert synthesize(stiff).exit_code is ExitCode.REFUTED
+
+    def gloomy(claim: Claim) -> Claim:
+        if claim.id != "rendering" or claim.refuted_at is None:
+            return claim
+        nowhere = replace(claim.refuted_at, value=Fraction(1))
+        return replace(claim, status=Outcome.REFUTED, margin=None, refuted_at=nowhere)
+
+    monkeypatch.setattr(pipeline, "certify", lambda *a: tuple(map(gloomy, certify(*a))))
+    with pytest.raises(RobimpError, match="prover says refuted, the independent checker says: rendering"):
+        synthesize(stiff)
+
+
+def test_physics_that_contradict_each_other_are_input_errors() -> None:
+    unstable = ("stiffness: [0, 0]}}", "stiffness: [0, 0]}, weight: {numerator: [0.2, 0], denominator: [1, -800]}}")
+    with pytest.raises(InputError, match=r"uncertainty\.weight must be stable"):
+        setting_of(parse_spec(spec_text(unstable)))
+    stable = (unstable[0], unstable[1].replace("-800", "800"))
+    assert setting_of(parse_spec(spec_text(stable))).uncertainty.weight is not None
+
+
+def test_an_algebraic_loop_is_an_input_error() -> None:
+    ideal = GOOD[: GOOD.index("actuator:")] + "actuator: {type: ideal}\n" + GOOD[GOOD.index("impedance:") :]
+    setting = setting_of(parse_spec(ideal.replace("{type: dob, order: 4}", "{type: dynamic-feedback, order: 1}")))
+    loop = Polynomials(numerator=(Fraction(-1), Fraction(3)), denominator=(Fraction(1), Fraction(2)))
+    with pytest.raises(InputError, match=r"algebraic loop"):
+        realizable(setting, loop)
+    realizable(setting, Polynomials(numerator=(Fraction(-2), Fraction(3)), denominator=(Fraction(1), Fraction(2))))
+    with pytest.raises(InputError, match=r"controller\.coefficients"):
+        realizable(setting, Polynomials(numerator=(Fraction(-1),), denominator=(Fraction(1),)))
+
+
+def test_simulation_and_proof_agree_on_the_papers_filter(paper: Result) -> None:
+    setting = setting_of(paper.spec)
+    C = realizable(setting, paper.coefficients)
+    found = compare(setting, C, paper.claims, paper.trials)
+    assert found.contradictions == () and found.impedance_error < 1e-9 and found.lowest_energy > -1e-9
+
+
+def contradictions(result: Result, wall_stable: bool = True, **changes: Any) -> tuple[str, ...]:
+    """What is said when some facts of the trial with a measured impedance are others."""
+    setting = setting_of(result.spec)
+    C = realizable(setting, result.coefficients)
+    measured = next(trial for trial in result.trials.trials if trial.frequencies)
+    trials = tuple(replace(t, **changes) if t is measured else t for t in result.trials.trials)
+    claimed = replace(result.trials, trials=trials, wall_stable=wall_stable)
+    return compare(setting, C, result.claims, claimed).contradictions
+
+
+def test_every_kind_of_disagreement_is_seen(paper: Result) -> None:
+    Z = next(np.array(trial.Z_measured) for trial in paper.trials.trials if trial.frequencies)
+    assert contradictions(paper) == ()
+    assert "unstable" in contradictions(paper, stable=False)[0]
+    assert "energy extracted" in contradictions(paper, min_energy=-0.01, energy_scale=1.0)[0]
+    assert "rigid wall" in contradictions(paper, wall_stable=False)[0]
+    assert "differs from (★) by 0.0001" in contradictions(paper, Z_measured=tuple(Z * (1 + 1e-4)))[0]
+    assert contradictions(paper, Z_measured=tuple(Z * (1 + 1e-8))) == (), "within the measurement's own accuracy"
+
+
+def test_energy_is_only_a_contradiction_where_passivity_is_proven() -> None:
+    """The stiffer impedance gives energy away, as its refuted (12) says it does."""
+    stiff = synthesize(load_spec(ROOT / "examples" / "haninger2016-stiff.yaml"))
+    assert stiff.exit_code is ExitCode.REFUTED
+    assert stiff.agreement.lowest_energy < -0.5 and stiff.agreement.contradictions == ()
+
+
+def test_a_result_is_frozen(paper: Result) -> None:
+    with pytest.raises(AttributeError):
+        paper.seconds = 0.0  # type: ignore[misc]
