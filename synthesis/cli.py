@@ -145,16 +145,9 @@ def simulate(
     as_json: Json = False,
 ) -> None:
     """Move the certified joint in the time domain: every corner of the box; agrees or contradicts."""
-    from fractions import Fraction
-
-    from .agreement import compare
-    from .certificate.claims import certify
     from .check import check_bytes
-    from .pipeline import realizable, setting_of
+    from .replay import replay
     from .report.progress import status_line
-    from .simulation import verify
-    from .spec import from_canonical
-    from .spec.model import Polynomials
 
     data = _certificate_bytes(certificate)
     checked = check_bytes(data)
@@ -162,19 +155,8 @@ def simulate(
         raise InputError(checked.message, Location(str(certificate)))
     if checked.exit_code == ExitCode.MISMATCH:
         raise MismatchError(f"{certificate}: {checked.message}")
-    content = json.loads(data)
-    spec = from_canonical(content["spec"], str(certificate))
-    written = content["controller"]["Q" if spec.controller.type == "dob" else "C"]
-    numerator, denominator = (tuple(map(Fraction, written[part])) for part in ("numerator", "denominator"))
-    setting = setting_of(spec)
-    C = realizable(setting, Polynomials(numerator=numerator, denominator=denominator))
-    compensator = (
-        tuple(map(Fraction, content["controller"]["C"]["numerator"])),
-        tuple(map(Fraction, content["controller"]["C"]["denominator"])),
-    )
     with status_line() as progress:
-        trials = verify(spec, compensator, progress=progress)
-        agreement = compare(setting, C, certify(setting, C), trials)
+        trials, agreement = replay(json.loads(data), str(certificate), progress)
     agrees = not agreement.contradictions
     if as_json:
         print(_dumped({"agrees": agrees, "contradictions": agreement.contradictions, **trials.to_json()}))

@@ -17,7 +17,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"models": ROOT / "models", "synthesis": ROOT / "synthesis"}
 LAYERS = ["errors", "storage", "models", "spec", "problem", "solve", "certificate", "check", "simulation", "report"]
-LAYERS += ["agreement", "pipeline", "cli"]
+LAYERS += ["agreement", "pipeline", "replay", "cli"]
 HEAVY = ("cvxpy", "casadi", "control", "matplotlib", "numpy", "flint")
 MOST_LINES = 300
 PRINTERS = {"synthesis/cli.py", "synthesis/check/__main__.py"}

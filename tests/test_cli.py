@@ -623,14 +623,24 @@ def test_a_simulation_that_disagrees_stops_everything(empty: Path, monkeypatch: 
 
 
 def test_simulate_reports_a_contradiction(paper: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    simulation = import_module("robimp.synthesis.simulation")
-    genuine = simulation.verify
+    replay = import_module("robimp.synthesis.replay")
+    genuine = replay.verify
 
     def flipped(*arguments: Any, **options: Any) -> Any:
         trials = genuine(*arguments, **options)
         return replace(trials, wall_stable=not trials.wall_stable)
 
-    monkeypatch.setattr(simulation, "verify", flipped)
+    monkeypatch.setattr(replay, "verify", flipped)
     assert "contradicts: rigid wall" in refused(ExitCode.REFUTED, "simulate", paper)
     content = json.loads(robimp("simulate", paper, "--json").out)
     assert content["agrees"] is False
+
+
+def test_simulate_refuses_a_status_that_is_not_so(paper: Path, tmp_path: Path) -> None:
+    content = json.loads(paper.read_bytes())
+    claim = next(c for c in content["claims"] if c["id"] == "friction")
+    assert claim["status"] == "refuted"
+    claim.update(status="undecided", refuted_at=None)
+    edited = tmp_path / "edited.json"
+    edited.write_text(json.dumps(reseal(content)))
+    assert "friction strictly-positive-real is written as undecided" in refused(ExitCode.MISMATCH, "simulate", edited)

@@ -20,7 +20,6 @@ from ..problem.setting import Setting
 from .split import Split
 
 if TYPE_CHECKING:
-    import cvxpy as cp
     from numpy.typing import NDArray
 
 SPACING = 0.005  # relative distance of grid points where the bound is decided
@@ -85,6 +84,16 @@ def laguerre(s: NDArray[Any], pole: float, terms: int, relative_degree: int) -> 
     return np.asarray((pole / (s + pole))[:, None] ** relative_degree * all_pass[:, None] ** np.arange(terms))
 
 
+@dataclass(frozen=True)
+class _Row:
+    """One inequality on its part of the grid: the cone, what it was multiplied by, and its frequencies, (n,)."""
+
+    id: str
+    cone: Any
+    scale: NDArray[np.float64]
+    omega: NDArray[np.float64]
+
+
 class _Program:
     """One SOCP whose attenuation bound on the grid is a parameter, so that bisection re-uses its compiled form."""
 
@@ -109,13 +118,13 @@ class _Program:
         x = cp.Variable(terms)
         self.X = Split(orthonormal[: omega.size] @ x, orthonormal[omega.size :] @ x, _Cvx())
         self.beyond_band = cp.Parameter(omega.size, nonneg=True)  # 0 on the band, large outside it
-        self.rows: list[tuple[str, Any]] = []
+        self.rows: list[_Row] = []
         for c in self.kept:
             for inequality in c.inequalities:
-                self.rows.append((c.id, self._cone(c, inequality)))
-        self.problem = cp.Problem(cp.Minimize(0), [row for _, row in self.rows])
+                self.rows.append(self._row(c, inequality))
+        self.problem = cp.Problem(cp.Minimize(0), [row.cone for row in self.rows])
 
-    def _cone(self, c: Constraint, inequality: Inequality) -> cp.Constraint:
+    def _row(self, c: Constraint, inequality: Inequality) -> _Row:
         import cvxpy as cp
 
         inside = np.flatnonzero(self.evaluator.inside(c))
@@ -124,8 +133,8 @@ class _Program:
         W = self.evaluator.radius(inequality.source)[inside]
         left, right = inequality.sides(float(c.level or 0), W, X, lambda r: r.at(omega))
         scale = 1 / np.maximum(np.abs(inequality.right.constant.at(omega)), 1e-300)
-        row = cp.multiply(scale, left) - cp.multiply(scale, right)
-        return row <= (self.beyond_band[inside] if c.on_band else 0.0)
+        excess = cp.multiply(scale, left) - cp.multiply(scale, right)
+        return _Row(c.id, excess <= (self.beyond_band[inside] if c.on_band else 0.0), scale, omega)
 
     def feasible(self, k: int) -> bool:
         """Whether attenuation up to the k-th grid point is feasible, by the solver's word."""
@@ -159,9 +168,10 @@ class _Program:
     def binding(self) -> tuple[tuple[str, float], ...]:
         """Constraints with a multiplier at the optimum, each with the frequency where it is largest."""
         found: dict[str, tuple[float, float]] = {}
-        for name, row in self.rows:
-            dual = np.abs(np.atleast_1d(row.dual_value)) if row.dual_value is not None else np.zeros(1)
-            k = int(np.argmax(dual))
-            if dual[k] > found.get(name, (0.0, 0.0))[0]:
-                found[name] = (float(dual[k]), float(self.omega[k]))
+        for row in self.rows:
+            dual = row.cone.dual_value
+            effect = np.abs(np.atleast_1d(dual)) * row.scale if dual is not None else np.zeros(1)  # per unit, unscaled
+            k = int(np.argmax(effect))
+            if effect[k] > found.get(row.id, (0.0, 0.0))[0]:
+                found[row.id] = (float(effect[k]), float(row.omega[k]))
         return tuple((name, omega) for name, (_, omega) in sorted(found.items(), key=lambda item: -item[1][0]))
