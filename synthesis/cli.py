@@ -156,7 +156,7 @@ def simulate(
     if checked.exit_code == ExitCode.MISMATCH:
         raise MismatchError(f"{certificate}: {checked.message}")
     with status_line() as progress:
-        trials, agreement = replay(json.loads(data), str(certificate), progress)
+        trials, agreement = replay(json.loads(data), checked, str(certificate), progress)
     agrees = not agreement.contradictions
     if as_json:
         print(_dumped({"agrees": agrees, "contradictions": agreement.contradictions, **trials.to_json()}))

@@ -8,17 +8,21 @@ from typing import Any
 
 from .agreement import Agreement, compare
 from .certificate.claims import certify
+from .certificate.document import verdict
+from .check import Verdict
 from .errors import MismatchError
-from .pipeline import realizable, setting_of
+from .pipeline import VERDICT_CODE, realizable, setting_of
 from .simulation import Trials, verify
 from .spec import from_canonical
 from .spec.model import Polynomials
 
 
-def replay(content: dict[str, Any], file: str, progress: Callable[[str], None]) -> tuple[Trials, Agreement]:
+def replay(
+    content: dict[str, Any], checked: Verdict, file: str, progress: Callable[[str], None]
+) -> tuple[Trials, Agreement]:
     """Simulate every load of a certificate whose format was already checked, and compare with its claims.
 
-    Raises: MismatchError when the certificate's statuses are not what the prover finds for its controller.
+    Raises: MismatchError when the certificate does not say what the prover finds for its controller.
     """
     spec = from_canonical(content["spec"], file)
     setting = setting_of(spec)
@@ -31,6 +35,8 @@ def replay(content: dict[str, Any], file: str, progress: Callable[[str], None]) 
             raise MismatchError(
                 f"{file}: {claim['id']} {claim['form']} is written as {claim['status']}, but is {status}"
             )
+    if checked.exit_code != VERDICT_CODE[verdict(claims)]:
+        raise MismatchError(f"{file}: {checked.message}")
     compensator = _polynomials(content["controller"]["C"])
     trials = verify(spec, (compensator.numerator, compensator.denominator), progress=progress)
     return trials, compare(setting, C, claims, trials)
