@@ -1,7 +1,5 @@
 """Command line: `python -m robimp.synthesis.check CERT…`, or `python -I -S path/to/check CERT…` without the package."""
 
-from __future__ import annotations
-
 import argparse
 import importlib.util
 import json
@@ -11,10 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 if not __package__:  # run as a folder: give the relative imports a package to start from
-    _folder = Path(__file__).resolve().parent
-    _spec = importlib.util.spec_from_file_location(
-        "robimp_check", _folder / "__init__.py", submodule_search_locations=[str(_folder)]
-    )
+    _spec = importlib.util.spec_from_file_location("robimp_check", Path(__file__).resolve().with_name("__init__.py"))
     assert _spec is not None and _spec.loader is not None
     sys.modules["robimp_check"] = _module = importlib.util.module_from_spec(_spec)
     _spec.loader.exec_module(_module)
@@ -27,9 +22,11 @@ def main(argv: list[str]) -> int:
     """Check every file; returns 0 only if all are proven, otherwise the first file's code that is not."""
     parser = argparse.ArgumentParser(prog="check", description="Re-prove every claim of a certificate.")
     parser.add_argument("files", nargs="+", metavar="CERT")
-    parser.add_argument("--time-limit", type=_seconds, default=60.0, help="seconds for each certificate (default 60)")
+    parser.add_argument("--time-limit", type=float, default=60.0, help="seconds for each certificate (default 60)")
     parser.add_argument("--json", action="store_true", help="one JSON object per certificate on stdout")
     arguments = parser.parse_args(argv)
+    if not 0 < arguments.time_limit < math.inf:
+        parser.error("--time-limit: must be a positive number of seconds")
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
@@ -43,14 +40,7 @@ def main(argv: list[str]) -> int:
             print(f"PROVEN  {file}  {verdict.message}")  # noqa: T201
         else:
             print(f"{file}: {verdict.message}", file=sys.stderr)  # noqa: T201
-    return next((code for code in codes if code), 0)
-
-
-def _seconds(text: str) -> float:
-    seconds = float(text)
-    if not (math.isfinite(seconds) and seconds > 0):
-        raise argparse.ArgumentTypeError("must be a positive number of seconds")
-    return seconds
+    return next(filter(None, codes), 0)
 
 
 if __name__ == "__main__":

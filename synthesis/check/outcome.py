@@ -1,33 +1,27 @@
-"""What can stop a check, and the clock that does it without signals."""
-
-from __future__ import annotations
+"""What stops a check, with its exit code, and the clock that needs no signals."""
 
 import time
 
-
-class UnreadableError(Exception):
-    """Input that is not a certificate of this format; one line that names the field (exit code 2)."""
-
-
-class MismatchError(Exception):
-    """A certificate that does not prove what its own specification asks for (exit code 6)."""
+UNREADABLE = 2  # input that is not a certificate of this format; one line that names the field
+FALSE = 4  # a statement of the certificate that does not hold
+UNDECIDED = 5  # out of time, or out of the work allowed for one step
+MISMATCH = 6  # a certificate that does not prove what its own specification asks for
 
 
-class FalseClaimError(Exception):
-    """A statement of the certificate that does not hold (exit code 4)."""
+class CheckError(Exception):
+    """A check that ends without a proof: its exit code and one line."""
+
+    def __init__(self, code: int, message: str) -> None:
+        super().__init__(message)
+        self.code = code
 
 
-class UndecidedError(Exception):
-    """Out of time, or out of the work allowed for one step (exit code 5)."""
+def demand(holds: bool, message: str, code: int = UNREADABLE) -> None:
+    """Raise CheckError unless the condition holds."""
+    if not holds:
+        raise CheckError(code, message)
 
 
-class Clock:
-    """A deadline that is looked at inside every loop of unknown length."""
-
-    def __init__(self, seconds: float) -> None:
-        self.deadline = time.monotonic() + seconds
-
-    def tick(self) -> None:
-        """Raise UndecidedError once the time is over."""
-        if time.monotonic() > self.deadline:
-            raise UndecidedError("time limit reached")
+def tick(deadline: float) -> None:
+    """Raise CheckError once the time, monotonic, is over; called inside every loop of unknown length."""
+    demand(time.monotonic() <= deadline, "time limit reached", UNDECIDED)

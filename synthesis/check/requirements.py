@@ -1,105 +1,75 @@
 """What a certificate must contain for its specification, and what each claim's numbers must satisfy."""
 
-from __future__ import annotations
-
 from fractions import Fraction
+from math import inf
 from typing import Any
 
-from .outcome import FalseClaimError, MismatchError, UnreadableError
+from .joint import contains
+from .outcome import FALSE, MISMATCH, UNREADABLE, demand
 from .statements import STATEMENTS
 
-Interval = tuple[Fraction, Fraction | None]
-WHOLE: Interval = (Fraction(0), None)
+Kind = tuple[str, str]  # id and form of a claim
+Interval = tuple[Fraction, Fraction | float]
+WHOLE: Interval = (Fraction(0), inf)
 SIGNED = {("eq12", "disc"), ("eq12", "structured")}  # the forms whose margin may be negative
 
 
-def required_claims(spec: dict[str, Any], omega_b: Fraction) -> dict[tuple[str, str], Interval]:
-    """(id, form) of every claim the specification asks for, with its interval."""
-    limits, band = spec["constraints"], (Fraction(0), omega_b)
-    eq12, eq18 = limits["eq12"], limits["eq18"]
-    found = {("stability-free", "hurwitz"): WHOLE, ("stability-locked", "hurwitz"): WHOLE}
-    found[("bandwidth", "attenuation")] = band
-    if limits["eq9"] is not None:
-        found[("eq9", "printed")] = WHOLE
-    if eq12 is not None:
-        found[("eq12", eq12["form"])] = eq12["band"] or WHOLE
-    if eq18 is not None:
-        found[("eq18", f"{eq18['form']}/{eq18['coupling']}")] = WHOLE
-    if limits["peak"] is not None:
-        found[("peak", "sensitivity")] = WHOLE
-    if spec["objective"]["rendering_error"] is not None:
-        found[("rendering", "every-load")] = band
-    if limits["friction"] == "require":
-        found[("friction", "strictly-positive-real")] = WHOLE
-    return found
-
-
-def threshold(spec: dict[str, Any], claim: dict[str, Any]) -> Fraction | None:
-    """The value at which the claim's statement meets the specification; None where it names none."""
-    limits, kind = spec["constraints"], (claim["id"], claim["form"])
-    if kind in SIGNED:
-        return limits["eq12"]["margin"] if limits["eq12"] is not None else Fraction(0)
-    if claim["id"] in ("eq9", "eq12", "eq18"):
-        return Fraction(1)
-    found: Fraction | None = {"peak": limits["peak"], "rendering": spec["objective"]["rendering_error"]}.get(
-        claim["id"], None if claim["id"] == "bandwidth" else Fraction(0)
-    )
-    return found
+def asked(spec: dict[str, Any], omega_b: Fraction, kind: Kind) -> tuple[bool, Interval, Fraction | None]:
+    """Whether the specification requires a claim, on which interval, and the margin that is just enough."""
+    limits, error, band = spec["constraints"], spec["objective"]["rendering_error"], (Fraction(0), omega_b)
+    zero, one, eq12, eq18 = Fraction(0), Fraction(1), limits["eq12"] or {}, limits["eq18"] or {}
+    table: dict[str, tuple[bool, Interval, Fraction | None]] = {
+        "bandwidth": (True, band, None),
+        "eq9": (limits["eq9"] is not None, WHOLE, one),
+        "eq12": (eq12.get("form") == kind[1], eq12.get("band") or WHOLE, one),
+        "eq18": ("/".join(eq18.values()) == kind[1], WHOLE, one),
+        "peak": (limits["peak"] is not None, WHOLE, limits["peak"]),
+        "rendering": (error is not None, band, error),
+        "friction": (limits["friction"] == "require", WHOLE, zero),
+    }
+    required, interval, limit = table.get(kind[0], (True, WHOLE, zero))
+    return required, interval, eq12.get("margin", zero) if kind in SIGNED else limit
 
 
 def compare(certificate: dict[str, Any]) -> None:
-    """Check ids, forms, intervals, flags and margins against the specification; nothing is proven here.
-
-    Raises:
-        UnreadableError: a claim that contradicts the format. MismatchError: one that the specification does not ask for
-        as it stands, or one that it asks for and that is not there.
-    """
-    spec, omega_b = certificate["spec"], certificate["bandwidth"]["proven"]
-    wanted = required_claims(spec, omega_b)
-    seen: set[tuple[str, str]] = set()
+    """Check every claim's fields against the format and the specification, or CheckError; nothing is proven here."""
+    seen: set[Kind] = set()
     for claim in certificate["claims"]:
-        kind = (claim["id"], claim["form"])
-        name = title(claim)
-        if claim["id"] not in STATEMENTS or claim["form"] not in STATEMENTS[claim["id"]][0]:
-            raise UnreadableError(f"{name}: no such claim")
-        if kind in seen:
-            raise UnreadableError(f"{name}: appears twice")
-        seen.add(kind)
-        _shape(claim)
-        if claim["required"] != (kind in wanted):
-            raise MismatchError(f"{name}: `required` disagrees with the specification")
-        expected = wanted.get(kind) or ((Fraction(0), omega_b) if claim["id"] == "rendering" else WHOLE)
-        if claim["interval"] != expected and not (claim["id"] == "eq12" and not claim["required"]):
-            raise MismatchError(f"{name}: its interval is not the specification's")
-        if claim["status"] == "proven":
-            _margin(spec, claim, omega_b)
-    for kind in wanted:
-        if kind not in seen:
-            raise MismatchError(f"{'/'.join(kind)}: required by the specification and missing")
+        _compare_claim(certificate, claim, seen)
+    for kind in STATEMENTS:
+        needless = kind in seen or not asked(certificate["spec"], Fraction(0), kind)[0]
+        demand(needless, f"{' '.join(kind)}: required by the specification and missing", MISMATCH)
 
 
-def title(claim: dict[str, Any]) -> str:
-    """Claim name for messages: its id and form, made safe to print."""
-    return ascii(f"{claim['id']} {claim['form']}")[1:-1][:60]
+def _compare_claim(certificate: dict[str, Any], claim: dict[str, Any], seen: set[Kind]) -> None:
+    name, form, status, v, witness = (claim[key] for key in ("id", "form", "status", "margin", "refuted_at"))
+    kind, spec, (omega_b, twin, _) = (name, form), certificate["spec"], certificate["bandwidth"].values()
 
+    def expect(holds: bool, text: str, code: int = FALSE) -> None:
+        demand(holds, f"{ascii(' '.join(kind))[1:-1][:60]}: {text}", code)
 
-def _shape(claim: dict[str, Any]) -> None:
-    """Which of margin and witness a status comes with."""
-    proven, refuted = claim["status"] == "proven", claim["status"] == "refuted"
-    if (claim["margin"] is None) == proven:
-        raise UnreadableError(f"{title(claim)}: margin does not fit the status {claim['status']}")
-    if (refuted and claim["refuted_at"] is None) or (not proven and not refuted and claim["refuted_at"] is not None):
-        raise UnreadableError(f"{title(claim)}: refuted_at does not fit the status {claim['status']}")
-
-
-def _margin(spec: dict[str, Any], claim: dict[str, Any], omega_b: Fraction) -> None:
-    """A margin the statement makes sense at, and for a required claim one that is enough."""
-    v, limit, kind = claim["margin"], threshold(spec, claim), (claim["id"], claim["form"])
-    if v < 0 and kind not in SIGNED:
-        raise FalseClaimError(f"{title(claim)}: a negative margin")
-    if claim["id"] == "friction" and v == 0:
-        raise FalseClaimError(f"{title(claim)}: the margin must be positive")
-    if claim["id"] == "bandwidth" and (v != omega_b or v == 0):
-        raise MismatchError("bandwidth attenuation: its margin is not bandwidth.proven")
-    if claim["required"] and limit is not None and (v > limit if claim["id"] in ("peak", "rendering") else v < limit):
-        raise MismatchError(f"{title(claim)}: its margin is short of what the specification asks for")
+    expect(kind in STATEMENTS, "no such claim", UNREADABLE)
+    expect(kind not in seen, "appears twice", UNREADABLE)
+    seen.add(kind)
+    expect((v is not None) == (status == "proven"), f"margin does not fit the status {status}", UNREADABLE)
+    fits = status == "proven" or bool(witness) == (status == "refuted")
+    expect(fits, f"refuted_at does not fit the status {status}", UNREADABLE)
+    required, interval, limit = asked(spec, omega_b, kind)
+    expect(claim["required"] == required, "`required` disagrees with the specification", MISMATCH)
+    anywhere = name == "eq12" and not required
+    expect(anywhere or claim["interval"] == interval, "its interval is not the specification's", MISMATCH)
+    if v is not None:
+        expect(v >= 0 or kind in SIGNED, "a negative margin")
+        expect(v > 0 or name != "friction", "the margin must be positive")
+        expect(v == omega_b > 0 or name != "bandwidth", "its margin is not bandwidth.proven", MISMATCH)
+        enough = limit is None or (v <= limit if name in ("peak", "rendering") else v >= limit)
+        expect(enough or not required, "its margin is short of what the specification asks for", MISMATCH)
+    expect(name != "bandwidth" or twin == (witness and witness["value"]), "its witness is not bandwidth.refuted_at")
+    if witness is not None:
+        value, omega, load = witness.values()
+        lo, hi = (value, value) if name == "bandwidth" else claim["interval"]
+        expect(value >= 0 or kind in SIGNED, "refuted_at.value: negative")
+        expect(status != "refuted" or limit in (None, value), "refuted_at.value: is not the required one")
+        expect(load is None or contains(spec, load), "refuted_at.load: is not in the box")
+        expect((omega is None) == (form == "hurwitz"), "refuted_at.omega: does not fit the claim")
+        expect(omega is None or lo <= omega <= hi, "refuted_at.omega: is outside the interval")

@@ -1,23 +1,20 @@
 """From bytes to a verdict: read, compare with the specification, re-prove every claim."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
+import time
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from .joint import Joint, Load, joint
-from .outcome import Clock, FalseClaimError, MismatchError, UndecidedError, UnreadableError
-from .positivity import Point, decide, holds_at, square
+from .joint import Joint, stiffness
+from .outcome import FALSE, MISMATCH, UNDECIDED, UNREADABLE, CheckError, demand
+from .polynomials import Poly
+from .positivity import counterexample, square
 from .reader import MAX_BYTES, read
-from .requirements import SIGNED, WHOLE, compare, threshold, title
-from .statements import STATEMENTS, Fact, Query
-
-PROVEN, INPUT, REFUTED, UNDECIDED, MISMATCH = 0, 2, 4, 5, 6
-EXIT_CODES = {UnreadableError: INPUT, FalseClaimError: REFUTED, UndecidedError: UNDECIDED, MismatchError: MISMATCH}
+from .requirements import SIGNED, WHOLE, Interval, compare
+from .statements import STATEMENTS, port_ends
 
 
 @dataclass(frozen=True)
@@ -36,137 +33,68 @@ def check_file(path: str | Path, *, time_limit: float = 60.0) -> Verdict:
         with Path(path).open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
-        return Verdict(INPUT, f"file: cannot be read: {getattr(error, 'strerror', None) or error}")
+        return Verdict(UNREADABLE, f"file: cannot be read: {getattr(error, 'strerror', None) or error}")
     return check_bytes(data, time_limit=time_limit)
 
 
 def check_bytes(data: bytes, *, time_limit: float = 60.0) -> Verdict:
     """Re-prove every claim of a certificate from its specification and controller alone; `time_limit` in seconds."""
-    clock = Clock(time_limit)
+    deadline = time.monotonic() + time_limit
     try:
         certificate = read(data)
         compare(certificate)
-        model = joint(certificate, clock)
-    except tuple(EXIT_CODES) as error:
-        return Verdict(EXIT_CODES[type(error)], str(error))
-    outcomes = [_outcome(_check, certificate, model, claim, clock) for claim in certificate["claims"]]
-    outcomes.append(_outcome(_bandwidth_twin, certificate))
-    claims = tuple(
-        (claim["id"], claim["form"], claim["status"] if code == PROVEN else "not verified", message)
-        for claim, (code, message) in zip(certificate["claims"], outcomes, strict=False)
-    )
-    for code in (REFUTED, MISMATCH, UNDECIDED):
-        if message := next((message for found, message in outcomes if found == code), None):
-            return Verdict(code, message, None, claims)
+        joint = Joint(certificate, deadline)
+    except CheckError as error:
+        return Verdict(error.code, str(error))
+    claims, stops = [], []
+    for claim in certificate["claims"]:
+        name, status = f"{claim['id']} {claim['form']}", claim["status"]
+        message = f"{name}: {status}"
+        try:
+            _check(joint, claim)
+        except CheckError as error:
+            status, message = "not verified", f"{name}: {error}"
+            stops.append((error.code, message))
+        claims.append((claim["id"], claim["form"], status, message))
+    if stops:  # the gravest, and of these the first
+        return Verdict(*min(stops, key=lambda stop: (FALSE, MISMATCH, UNDECIDED).index(stop[0])), None, tuple(claims))
     proven = sum(claim["status"] == "proven" for claim in certificate["claims"])
-    omega_b = decimal(certificate["bandwidth"]["proven"])
-    return Verdict(PROVEN, f"ω_B ≥ {omega_b} rad/s  {proven} claims", omega_b, claims)
+    exact, six_digits = certificate["bandwidth"]["proven"], Context(prec=6, rounding=ROUND_FLOOR)
+    omega_b = f"{six_digits.divide(Decimal(exact.numerator), Decimal(exact.denominator)).normalize():f}"
+    return Verdict(0, f"ω_B ≥ {omega_b} rad/s  {proven} claims", omega_b, tuple(claims))
 
 
-def decimal(value: Fraction) -> str:
-    """Six significant digits, rounded down."""
-    quotient = Context(prec=6, rounding=ROUND_FLOOR).divide(Decimal(value.numerator), Decimal(value.denominator))
-    text = format(quotient, "f")
-    return text.rstrip("0").rstrip(".") if "." in text else text
+def _check(joint: Joint, claim: dict[str, Any]) -> None:
+    """Re-prove one claim at its margin, and verify that it fails at its witness."""
+    required, status, interval, witness = (claim[key] for key in ("required", "status", "interval", "refuted_at"))
+    if status == "proven":
+        fault = _fault(joint, claim, claim["margin"], interval)
+        demand(not fault, f"does not hold{fault}", FALSE)
+    if witness is not None:
+        v, omega, load = witness.values()
+        place = interval if omega is None else (omega, omega)
+        fault = _fault(joint, claim, v, place, load and stiffness(load.values()))
+        demand(fault != "", "refuted_at: it holds there", FALSE)
+        demand(not required or status != "refuted", f"required, and refuted{fault}", FALSE)
+    demand(not required or status != "undecided", "required, and undecided", UNDECIDED)
 
 
-def _outcome(step: Callable[..., str], *arguments: Any) -> tuple[int, str]:
-    try:
-        return PROVEN, step(*arguments)
-    except tuple(EXIT_CODES) as error:
-        return EXIT_CODES[type(error)], str(error)
-
-
-def _bandwidth_twin(certificate: dict[str, Any]) -> str:
-    """`bandwidth.refuted_at` says the same as the bandwidth claim."""
-    twin = next(claim["refuted_at"] for claim in certificate["claims"] if claim["id"] == "bandwidth")
-    if certificate["bandwidth"]["refuted_at"] != (twin and twin["value"]):
-        raise FalseClaimError("bandwidth.refuted_at: is not the bandwidth claim's")
-    return ""
-
-
-def _check(certificate: dict[str, Any], model: Joint, claim: dict[str, Any], clock: Clock) -> str:
-    """Re-prove one claim and re-verify its witness."""
-    name, spec = title(claim), certificate["spec"]
-
-    def query(v: Fraction, load: Load | None = None) -> Query:
-        ends, attenuation = claim["interval"] == WHOLE, spec["objective"]["attenuation"]
-        return Query(model, claim["form"], v, load, ends, attenuation, clock)
-
-    try:
-        if claim["status"] == "proven":
-            _prove(claim, query(claim["margin"]))
-        if claim["refuted_at"] is not None:
-            _refute(spec, claim, model, query)
-    except (FalseClaimError, UndecidedError, MismatchError) as error:
-        raise type(error)(f"{name}: {error}") from None
-    if claim["required"] and claim["status"] == "refuted":
-        raise FalseClaimError(f"{name}: required, and refuted{_where(claim['refuted_at']['omega'])}")
-    if claim["required"] and claim["status"] == "undecided":
-        raise UndecidedError(f"{name}: required, and undecided")
-    return f"{name}: {claim['status']}"
-
-
-def _prove(claim: dict[str, Any], query: Query) -> None:
-    """The statement at its margin, on its interval."""
-    lo, hi = map(square, claim["interval"])
-    undecided = False
-    for part in STATEMENTS[claim["id"]][1](query):
-        if isinstance(part, Fact):
-            if not part.holds:
-                raise FalseClaimError(f"does not hold: {part.text}")
-            continue
-        result = decide(part, lo, hi, query.clock)
-        if result.status == "refuted":
-            raise FalseClaimError(f"does not hold at its margin near ω = {_omega(result.at)} rad/s")
-        undecided |= result.status == "undecided"
-    if undecided:
-        raise UndecidedError("neither proven nor refuted")
-
-
-def _refute(spec: dict[str, Any], claim: dict[str, Any], model: Joint, query: Callable[..., Query]) -> None:
-    """The witness: the statement fails at `value`, at `omega`, for `load`."""
-    witness, limit = claim["refuted_at"], threshold(spec, claim)
-    v, load = witness["value"], witness["load"] and tuple(witness["load"].values())
-    if v < 0 and (claim["id"], claim["form"]) not in SIGNED:
-        raise FalseClaimError("refuted_at.value: negative")
-    if claim["status"] == "refuted" and limit is not None and v != limit:
-        raise FalseClaimError("refuted_at.value: is not the required one")
-    if load is not None and not _member(model, load, spec):
-        raise FalseClaimError("refuted_at.load: is not in the box")
-    hurwitz = claim["form"] == "hurwitz"
-    if hurwitz != (witness["omega"] is None):
-        raise FalseClaimError("refuted_at.omega: does not fit the claim")
-    omega = None if hurwitz else witness["omega"][0]
-    lo, hi = (v, v) if claim["id"] == "bandwidth" else claim["interval"]
-    if not hurwitz and not (hi is None if omega is None else lo <= omega and (hi is None or omega <= hi)):
-        raise FalseClaimError("refuted_at.omega: is outside the interval")
-    unclear = False
-    for part in STATEMENTS[claim["id"]][1](query(v, load)):
-        if isinstance(part, Fact):
-            place = {"0": Fraction(0), "inf": None}.get(part.at or "", omega)
-            holds: bool | None = part.holds or place != omega
+def _fault(joint: Joint, claim: dict[str, Any], v: Fraction, interval: Interval, load: Poly | None = None) -> str:
+    """Where the statement fails at v, as text; empty if it is proven. Undecided only if no part fails."""
+    kind, undecided = (claim["id"], claim["form"]), None
+    lo, hi = map(square, interval)
+    ends = port_ends(joint, load, interval) if kind in SIGNED and claim["interval"] == WHOLE else ()
+    for part in chain(STATEMENTS[kind](joint, v, load), ends):
+        if isinstance(part, str):
+            return f": {part}"
+        try:
+            at = counterexample(part, lo, hi, joint.deadline)
+        except CheckError as error:
+            undecided = error
         else:
-            holds = True if len(part.bound) > 1 else holds_at(part, square(omega))
-        if holds is False:
-            return
-        unclear |= holds is None
-    raise UndecidedError("refuted_at: cannot be told") if unclear else FalseClaimError("refuted_at: it holds there")
-
-
-def _member(model: Joint, load: Load, spec: dict[str, Any]) -> bool:
-    if model.box is None:
-        return load == tuple(spec["plant"].values())
-    return all(lo <= part <= hi for part, (lo, hi) in zip(load, model.box, strict=True))
-
-
-def _omega(x: Point | None) -> str:
-    if x is None:
-        return "?"
-    return "inf" if x[1] == 0 else format((Decimal(x[0]) / Decimal(x[1])).sqrt(), ".6g")
-
-
-def _where(omega: tuple[Fraction | None] | None) -> str:
-    if omega is None:
-        return ""
-    return f" at ω = {'inf' if omega[0] is None else decimal(omega[0])} rad/s"
+            if at is not None:
+                frequency = "inf" if at[1] == 0 else format((Decimal(at[0]) / Decimal(at[1])).sqrt(), ".6g")
+                return f" at ω = {frequency} rad/s"
+    if undecided:
+        raise undecided
+    return ""

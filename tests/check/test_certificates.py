@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 from certificate_builder import EQ23, canonical, certificate, claim, data, dob, find, seal, spec, text
 from claim_floats import Json, num
-
 from robimp.synthesis.check import canonical_json, check_bytes, check_file
 from robimp.synthesis.check.__main__ import main
 
@@ -50,7 +49,7 @@ def in_spec(*path: str, value: object) -> Callable[[], bytes]:
 
 UNREADABLE: dict[str, tuple[Callable[[], bytes], str]] = {
     "empty": (lambda: b"", "not JSON"),
-    "not UTF-8": (lambda: b"\xff" + TEXT.encode(), "not UTF-8"),
+    "not UTF-8": (lambda: b"\xff" + TEXT.encode(), "UTF-8"),
     "truncated": (lambda: TEXT.encode()[:-40], "not JSON"),
     "end record missing": (
         lambda: data({k: v for k, v in REFERENCE.items() if k != "end"}),
@@ -59,10 +58,10 @@ UNREADABLE: dict[str, tuple[Callable[[], bytes], str]] = {
     "garbage after": (lambda: TEXT.encode() + b"x", "Extra data"),
     "not an object": (lambda: b"[]", "expected dict"),
     "duplicate key": (replaced('"bound": null', '"bound": null, "bound": null'), "duplicate key 'bound'"),
-    "float": (replaced('"bound": null', '"bound": 1.5'), "floating-point"),
-    "exponent": (replaced('"bound": null', '"bound": 1e3'), "floating-point"),
-    "NaN": (replaced('"bound": null', '"bound": NaN'), "floating-point"),
-    "Infinity": (replaced('"bound": null', '"bound": -Infinity'), "floating-point"),
+    "float": (replaced('"bound": null', '"bound": 1.5'), "bare number"),
+    "exponent": (replaced('"bound": null', '"bound": 1e3'), "bare number"),
+    "NaN": (replaced('"bound": null', '"bound": NaN'), "bare number"),
+    "Infinity": (replaced('"bound": null', '"bound": -Infinity'), "bare number"),
     "huge integer": (replaced('"bound": null', '"bound": ' + "9" * 5000), "bare number"),
     "integer": (replaced('"bound": null', '"bound": 7'), "bandwidth.bound: expected str"),
     "true for 1": (replaced('"robimp_certificate": 1', '"robimp_certificate": true'), "robimp_certificate"),
