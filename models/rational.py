@@ -155,6 +155,18 @@ class RationalFunction:
         return int(self.den.degree() - self.num.degree())
 
 
+def at_zero(r: RationalFunction) -> fmpq | None:
+    """`r(0)`; None for a pole there."""
+    return None if r.den[0] == 0 else r.num[0] / r.den[0]
+
+
+def at_infinity(r: RationalFunction) -> fmpq | None:
+    """`r(∞)`; None for a pole there."""
+    if r.relative_degree > 0 or r.num.degree() < 0:
+        return fmpq(0)
+    return None if r.relative_degree < 0 else r.num.leading_coefficient() / r.den.leading_coefficient()
+
+
 Operand = RationalFunction | fmpq_poly | Scalar
 
 ONE = RationalFunction(fmpq_poly([1]), fmpq_poly([1]))

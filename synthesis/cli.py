@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import stat
 import sys
 import traceback
 import warnings
@@ -72,8 +73,13 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, a
     from .report.summary import simulation, summary
     from .storage import write_atomic
 
-    with _located(path), status_line() as progress:
-        result = synthesize(spec, progress, time_limit=time_limit)
+    try:
+        with _located(path), status_line() as progress:
+            result = synthesize(spec, progress, time_limit=time_limit)
+    except RobimpError:
+        if (folder / "certificate.json").exists():
+            _complain(f"{path}: note: {folder / 'certificate.json'} is from an earlier run")
+        raise
     write_atomic(folder / "simulation.json", _dumped(simulation(result)).encode())
     write_atomic(folder / "certificate.json", result.certificate_bytes())
     if as_json:
@@ -96,7 +102,9 @@ def check(
     as_json: Json = False,
 ) -> None:
     """Re-prove every claim with the independent checker (standard library only)."""
-    expected = None if spec is None else _canonical(spec)
+    from .spec import canonical, load_spec
+
+    expected = None if spec is None else canonical(load_spec(spec))
     codes = []
     for path in certificates:
         code, message = _verdict(path, expected, time_limit)
@@ -133,6 +141,8 @@ def _certificate_bytes(path: Path) -> bytes:
     from .check.reader import MAX_BYTES
 
     try:
+        if stat.S_ISFIFO(path.lstat().st_mode):  # a named pipe may have no other end; /dev/stdin is a link to one
+            raise InputError("file: a named pipe, not a certificate", Location(str(path)))
         with path.open("rb") as stream:
             return stream.read(MAX_BYTES + 1)
     except OSError as error:
@@ -161,10 +171,7 @@ def simulate(
     if as_json:
         print(_dumped({"agrees": agrees, "contradictions": agreement.contradictions, **trials.to_json()}))
     elif agrees:
-        print(
-            f"AGREES  {certificate}  {len(trials.trials)} trials, "
-            f"measured Z within {agreement.impedance_error:.1g} of (★)"
-        )
+        print(f"AGREES  {certificate}  {agreement.summary(len(trials.trials))}")
     for contradiction in agreement.contradictions:
         _complain(f"{certificate}: contradicts: {contradiction}")
     _finish([ExitCode.PROVEN if agrees else ExitCode.REFUTED])
@@ -210,12 +217,6 @@ def schema() -> None:
     print(_dumped(json_schema()))
 
 
-def _canonical(path: Path) -> dict[str, Any]:
-    from .spec import canonical, load_spec
-
-    return canonical(load_spec(path))
-
-
 def _dumped(value: Any) -> str:
     return json.dumps(value, indent=1, ensure_ascii=False, default=str) + "\n"
 
@@ -257,9 +258,21 @@ def main() -> None:
         _complain("robimp: interrupted; no partial file was written")
         sys.exit(ExitCode.UNDECIDED)
     except Exception as error:
+        if _interrupted(error):
+            _complain("robimp: interrupted; no partial file was written")
+            sys.exit(ExitCode.UNDECIDED)
         if debug:
             traceback.print_exception(error)
         sys.exit(_report(error))
+
+
+def _interrupted(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is what a library's own error hides."""
+    while error is not None:
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def _run(arguments: list[str]) -> int:

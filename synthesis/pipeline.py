@@ -15,10 +15,10 @@ from ..models.controller import Compensator
 from .agreement import Agreement, compare
 from .certificate.claim import Claim
 from .certificate.claims import certify, counterexamples
-from .certificate.document import document, verdict
+from .certificate.document import document, robustly_stable, verdict
 from .certificate.outcome import Outcome
 from .check import check_bytes
-from .errors import ExitCode, InputError, RobimpError, UndecidedError
+from .errors import ExitCode, InputError, RefutedError, RobimpError, UndecidedError
 from .problem.grid import frequency_scale
 from .problem.setting import Setting
 from .simulation import SampledComparison, Trials, sampled_comparison, verify
@@ -64,6 +64,11 @@ class Result:
         return VERDICT_CODE[self.outcome]
 
     @property
+    def robust(self) -> bool:
+        """Whether the proven claims make every load of the stated uncertainty stable."""
+        return robustly_stable(Setting.of(self.spec), self.claims)
+
+    @property
     def omega_B(self) -> Fraction:
         """Proven bandwidth [rad/s]."""
         return next(claim.margin for claim in self.claims if claim.id == "bandwidth") or Fraction(0)
@@ -106,6 +111,13 @@ def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: f
         )
     if agreement.contradictions:
         raise RobimpError(f"simulation and proof disagree, so nothing is certified: {agreement.contradictions[0]}")
+    if agreement.unstable and verdict(claims) is Outcome.PROVEN:
+        load = agreement.unstable[0].load
+        raise RefutedError(
+            f"unstable with inertia {float(load.inertia):.4g}, damping {float(load.damping):.4g}, stiffness "
+            f"{float(load.stiffness):.4g}, inside the stated uncertainty, which no required claim covers; "
+            "add eq18: {form: half-plane, coupling: physical} or eq12: {form: structured}"
+        )
     sampled = sampled_comparison(spec, (numbers[0], numbers[1]), SAMPLING_RATE)
     seconds = time.monotonic() - began
     return Result(spec, coefficients, claims, limit, certificate, trials, agreement, sampled, seconds)

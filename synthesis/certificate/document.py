@@ -6,6 +6,7 @@ from fractions import Fraction
 from hashlib import sha256
 from typing import Any
 
+from ...models.actuator import IDEAL
 from ...models.controller import Compensator
 from ...models.rational import descending, fraction
 from ..problem.setting import Setting
@@ -23,8 +24,9 @@ ASSUMPTIONS = (
 NOT_CLAIMED = (
     "bandwidth.bound is a solver's figure on a frequency grid",
     "sampling, computation delay, quantisation and saturation",
-    "stability of loads outside the stated uncertainty",
 )
+OUTSIDE = "stability of loads outside the stated uncertainty"
+NOMINAL_ONLY = "stability of any load but the nominal one: no claim here covers the stated uncertainty"
 
 
 def document(
@@ -49,7 +51,7 @@ def document(
         },
         "claims": [_claim(claim) for claim in claims],
         "assumptions": list(ASSUMPTIONS),
-        "not_claimed": list(NOT_CLAIMED),
+        "not_claimed": [*NOT_CLAIMED, OUTSIDE if robustly_stable(setting, claims) else NOMINAL_ONLY],
         "producer": producer,
     }
     digest = sha256(canonical_json(body)).hexdigest()
@@ -96,6 +98,21 @@ def _refutation(refutation: Refutation) -> dict[str, Any]:
                 name: number_text(fraction(getattr(witness.load, name))) for name in ("inertia", "damping", "stiffness")
             }
     return {"value": number_text(refutation.value), "omega": omega, "load": load}
+
+
+def robustly_stable(setting: Setting, claims: tuple[Claim, ...]) -> bool:
+    """Whether the proven claims make every load of the uncertainty stable: nominal stability and one robust claim.
+
+    (18) with physical coupling; passivity on the whole axis, structured or over the disc; friction; (9), which is
+    about an ideal actuator, if the actuator is ideal.
+    """
+    proven = {(c.id, c.form) for c in claims if c.status is Outcome.PROVEN and c.interval == (Fraction(0), None)}
+    robust = {("eq12", "structured"), ("eq12", "disc"), ("friction", "strictly-positive-real")}
+    robust |= {("eq18", f"{form}/physical") for form in ("paper", "lumped", "half-plane")}
+    if setting.loop.actuator == IDEAL:
+        robust.add(("eq9", "printed"))
+    nominal = {("stability-free", "hurwitz"), ("stability-locked", "hurwitz")}
+    return nominal <= proven and bool(proven & robust)
 
 
 def verdict(claims: tuple[Claim, ...]) -> Outcome:

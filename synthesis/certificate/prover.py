@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 
 import numpy as np
-from flint import fmpq
 
 from ...models.controller import Compensator
-from ...models.rational import RationalFunction, exact
+from ...models.rational import ONE, ZERO, RationalFunction, S, at_infinity, at_zero, exact
 from ..problem.constraints.inequality import Constraint, Gain, Role, Variable
 from ..problem.grid import Evaluator, float_roots, grid
 from ..problem.setting import Setting
-from .lowering import SumOfRoots, lower
+from .lowering import SumOfRoots, abs2, lower
 from .outcome import Interval, Outcome, all_of
 from .positivity import holds
 from .witness import Witness, find_witness
@@ -60,7 +59,7 @@ class Prover:
                 outcomes.append(holds(lowered, interval, strict=_strict(constraint)))
                 if outcomes[-1] is Outcome.REFUTED:
                     return Outcome.REFUTED
-        if constraint.positive_real and self._failing_end() is not None:
+        if constraint.positive_real and self._failing_end(constraint) is not None:
             return Outcome.REFUTED
         return all_of(outcomes)
 
@@ -69,18 +68,26 @@ class Prover:
         inequality = constraint.inequalities[index]
         return lower(inequality, exact(v), self.X[inequality.variable], self.subject.setting.uncertainty)
 
-    def _failing_end(self) -> Witness | None:
-        """Where Z/s fails to be positive real: its residue Z(0) at s = 0 must be ≥ 0, and lim Z/s², that at ∞."""
-        setting = self.subject.setting
+    def _failing_end(self, constraint: Constraint) -> Witness | None:
+        """An end of [0, ∞] where `Re(Z/jω)` is silent about the pole of Z/s: Z(0) and lim Z/s² must be ≥ 0.
+
+        A strict constraint (friction) wants Z over its nominal value > 0 there instead, so that no load moves a root
+        through 0 or ∞. A weight makes the value A − (A−B)e, B that of (1−Q̃)G⁻¹, for all real e in [−W, W].
+        """
+        setting, C = self.subject.setting, self.subject.compensator
+        loop, weight = setting.loop, setting.uncertainty.weight
+        nominal, left = loop.Z(C, loop.nominal), 1 - self.X[Variable.Q_TILDE]
+        V2 = ZERO if weight is None else RationalFunction(abs2(weight.num), abs2(weight.den))
         for load in setting.uncertainty.corners():
-            Z = setting.loop.Z(self.subject.compensator, load)
-            at_zero = Z.num[0] / Z.den[0] if Z.den[0] != 0 else fmpq(-1)
-            excess = Z.relative_degree
-            at_infinity = Z.num.leading_coefficient() / Z.den.leading_coefficient()
-            if at_zero < 0:
-                return Witness(Fraction(0), load)
-            if excess < -2 or (excess == -2 and at_infinity < 0):
-                return Witness(None, load)
+            Z, own = loop.Z(C, load), left * load.rational
+            for omega, limit, unit in ((Fraction(0), at_zero, ONE), (None, at_infinity, S * S)):
+                reference = nominal if constraint.strict else unit
+                A, B, V = limit(Z / reference), limit(own / reference), limit(V2)
+                if A is None or B is None or V is None:
+                    return Witness(omega, load)
+                least = min(A, A * A - (A - B) ** 2 * V)
+                if least < 0 or (constraint.strict and least == 0):
+                    return Witness(omega, load)
         return None
 
     def witness(self, constraint: Constraint, v: Fraction) -> Witness | None:
@@ -92,7 +99,7 @@ class Prover:
                 found = find_witness(lowered, _squared(constraint.band), (omega,), strict=_strict(constraint))
                 if found is not None:
                     return found
-        return self._failing_end() if constraint.positive_real else None
+        return self._failing_end(constraint) if constraint.positive_real else None
 
     def failing(self, constraint: Constraint, v: Fraction) -> tuple[float, ...]:
         """Frequencies where a constraint fails worst: each local minimum of its slack on the grid, or the witness."""

@@ -12,10 +12,8 @@ Rational = tuple[Poly, Poly]  # numerator, denominator
 
 class Joint:
     """`Z(g) = (E g + M)/locked`, `1 − Q̃ = E/locked`; with an ideal actuator `1 − Q_i = E_i/D_i`, `U = U_n/D_i`.
-
-    E g + M is the characteristic polynomial in free motion, locked the one against a wall. Built from specification and
-    controller alone. With one filter on the error F appears once; a filter of its own on θ makes the feedback C F_θ.
-    """
+    E g + M is the characteristic polynomial in free motion, locked the one against a wall; a filter of its own on θ
+    makes the feedback C F_θ."""
 
     def __init__(self, certificate: dict[str, Any], deadline: float) -> None:
         spec = self.spec = certificate["spec"]

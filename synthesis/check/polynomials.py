@@ -29,6 +29,10 @@ class Poly:
         d = lcm(*(Fraction(a).denominator for a in ascending))
         return _lowest([int(a * d) for a in ascending], d)
 
+    def at(self, k: int) -> Fraction:
+        """Coefficient of z^k."""
+        return Fraction(self.c[k], self.d) if 0 <= k < len(self.c) else Fraction(0)
+
     def __add__(self, other: Poly) -> Poly:
         d = lcm(self.d, other.d)
         p, q = d // self.d, d // other.d

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from functools import partial
-from math import inf, prod
+from math import inf
 
 from .joint import Joint
 from .outcome import MISMATCH, demand
@@ -64,9 +64,7 @@ def eq12_paper(j: Joint, v: Fraction, load: Load) -> Parts:
 
 def passivity(form: str, j: Joint, v: Fraction, load: Load) -> Parts:
     """`Re[N/Ds] − ρ|E g/Ds| − Re[c E g/Ds] ≥ v`, N = E g + M, V² = gap/size < 1, times |D|²(size − gap).
-
-    D = locked: the port Z/s. D = E: `(L R m + Z_0)/s`, friction, strict at v = 0. Concave in g: the corners decide.
-    """
+    D = locked: the port Z/s. D = E: `(L R m + Z_0)/s`, friction, strict at v = 0. Concave in g: the corners decide."""
     D, strict = (j.E, v == 0) if form == "friction" else (j.locked, False)
     pairs = (
         [(j.nominal, disc) for disc in _discs(j, load)] if form == "disc" else [(g, j.weight) for g in j.loads(load)]
@@ -80,16 +78,19 @@ def passivity(form: str, j: Joint, v: Fraction, load: Load) -> Parts:
             yield Inequality([[gap * size * norm2(Y) * D2]], [X * margin * margin], strict)
 
 
-def port_ends(j: Joint, load: Load, ends: Sequence[Fraction | float]) -> Parts:
-    """Passivity on 0..inf: Z(0) finite and ≥ 0, Z/s² → a limit ≥ 0 at infinity, so Z/s has passive poles there."""
+def port_ends(friction: bool, j: Joint, load: Load, ends: Sequence[Fraction | float]) -> Parts:
+    """Where Re(Z/s) is silent about the pole of Z/s: Z(0) ≥ 0 and lim Z/s² ≥ 0; friction: N(g)/N(ĝ) > 0 there.
+    A weight makes the value A − (A−B)e, B that of E g, over all real e in [−V, V]: A ≥ 0 and A² ≥ (A−B)² V²."""
+    gap, size = j.weight
     for g in j.loads(load):
-        N, D = j.free(g).c, j.locked.c
-        width = max(len(N), len(D) + 2)
-        N, D, ssD = (p + (0,) * (width - len(p)) for p in (N, D, (0, 0, *D)))
-        for n, d, text, at in ((N, D, "Z(0) is", Fraction(0)), (N[::-1], ssD[::-1], "Z/s^2 at infinity is", inf)):
-            lowest = next((pair for pair in zip(n, d, strict=True) if any(pair)), (0, 0))
-            if at in ends and (lowest[1] == 0 or prod(lowest) < 0):
-                yield f"{text} not finite and >= 0"
+        N, Y, D, shift = j.free(g), j.E * g, j.free(j.nominal) if friction else j.locked, 0 if friction else 2
+        top = max(len(N.c), len(D.c) + shift) - 1
+        low = next((k for k in range(top + 1) if N.at(k) or D.at(k)), 0)
+        for at, n, d, w in ((Fraction(0), low, low, 0), (inf, top, top - shift, len(size.c) - 1)):
+            a, b, reference = N.at(n), Y.at(n), D.at(d)
+            least = min(a * reference, a * a * size.at(w) - (a - b) ** 2 * gap.at(w))
+            if at in ends and (reference == 0 or least < 0 or (friction and least == 0)):
+                yield f"{'Z(0)' if at == 0 else 'Z at infinity'} is not finite and {'>' if friction else '>='} 0"
 
 
 def eq18(form: str, actuator: str, j: Joint, v: Fraction, load: Load) -> Parts:

@@ -83,7 +83,8 @@ def _fault(joint: Joint, claim: dict[str, Any], v: Fraction, interval: Interval,
     """Where the statement fails at v, as text; empty if it is proven. Undecided only if no part fails."""
     kind, undecided = (claim["id"], claim["form"]), None
     lo, hi = map(square, interval)
-    ends = port_ends(joint, load, interval) if kind in SIGNED and claim["interval"] == WHOLE else ()
+    whole = claim["interval"] == WHOLE and (kind in SIGNED or kind[0] == "friction")
+    ends = port_ends(kind[0] == "friction", joint, load, interval) if whole else ()
     for part in chain(STATEMENTS[kind](joint, v, load), ends):
         if isinstance(part, str):
             return f": {part}"

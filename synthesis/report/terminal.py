@@ -40,11 +40,9 @@ def show(result: Result, to: Console) -> None:
     to.print(_controller(result))
     to.print(claims_table(result.claims, result.spec.motion))
     agreement, sampled = result.agreement, result.sampled
-    to.print(
-        f"simulation: {len(result.trials.trials)} trials agree, "
-        f"measured Z within {agreement.impedance_error:.1g} of (★), "
-        f"lowest port energy {agreement.lowest_energy:.1g} of the largest"
-    )
+    to.print(f"simulation: {agreement.summary(len(result.trials.trials))}")
+    if result.outcome is Outcome.PROVEN and not result.robust:
+        to.print("[yellow]note:[/] no claim covers loads other than the nominal one; (18) physical or (12) would")
     if sampled.rms_difference is not None and sampled.rms_theta:
         effect = f"changes the step response by {100 * sampled.rms_difference / sampled.rms_theta:.2g} % rms"
     else:
@@ -53,6 +51,9 @@ def show(result: Result, to: Console) -> None:
 
 
 def _headline(result: Result) -> str:
+    if result.outcome is not Outcome.PROVEN:
+        short = [c.id for c in result.claims if c.required and c.status is not Outcome.PROVEN]
+        return f"not proven: {', '.join(short)}"
     bound = "" if result.bound is None else f", bound {result.bound.omega_B:.4g}"
     return f"ω_B ≥ {decimal(result.omega_B)} rad/s{bound}, in {result.seconds:.1f} s"
 

@@ -11,6 +11,7 @@ import numpy as np
 from flint import fmpq
 
 from ...models.rational import RationalFunction, to_float
+from ...models.uncertainty import Uncertainty
 from ..errors import InfeasibleError
 from ..problem.constraints import constraints
 from ..problem.constraints.inequality import Affine, Constraint, Gain, Inequality
@@ -28,7 +29,7 @@ class Impossible:
     remedy: str
 
     def __str__(self) -> str:
-        place = "ω → 0" if self.omega == 0 else f"ω = {self.omega:.4g} rad/s"
+        place = {0.0: "ω → 0", np.inf: "ω → ∞"}.get(self.omega, f"ω = {self.omega:.4g} rad/s")
         return f"{self.what} cannot hold at {place} for any controller: {self.why}; {self.remedy}"
 
     def error(self) -> InfeasibleError:
@@ -58,6 +59,9 @@ def impossible(setting: Setting) -> Impossible | None:
             if _needs_disc(inequality) and np.any(beyond := inside & (evaluator.radius(inequality.source) >= 1)):
                 why = "W ≥ 1 there, which leaves Δ/(1+Δ) unbounded"
                 return Impossible(f"{c.equation} {c.form}", float(evaluator.omega[beyond][0]), why, c.remedy)
+            if c.form == "disc" and c.band[1] is None and _lasts(setting.uncertainty):
+                why = "the disc leaves the phase of Z free there (its budget falls like 1/ω, the disc does not)"
+                return Impossible(f"{c.equation} {c.form}", np.inf, why, c.remedy)
             ratio_on_grid = np.where(inside, _best_ratio(inequality, evaluator), 0.0)
             k = int(np.argmax(ratio_on_grid))
             if ratio_on_grid[k] >= 1:
@@ -69,6 +73,12 @@ def _exceeded(c: Constraint, omega: float, ratio: float) -> Impossible:
     """By how much: the least left/right that any X reaches."""
     why = "its right side vanishes" if np.isinf(ratio) else f"left/right is at best {ratio:.4g} and must be below 1"
     return Impossible(f"{c.equation} {c.form}", omega, why, c.remedy)
+
+
+def _lasts(uncertainty: Uncertainty) -> bool:
+    """Whether W(∞) > 0: an uncertain inertia, or a weight that is not strictly proper."""
+    box, weight = uncertainty.box, uncertainty.weight
+    return (box is not None and box.inertia[0] < box.inertia[1]) or (weight is not None and weight.relative_degree == 0)
 
 
 def _needs_disc(inequality: Inequality) -> bool:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from certificate_builder import EQ23, canonical, certificate, claim, data, dob, find, seal, spec, text
 from claim_floats import Json, num
+
 from robimp.synthesis.check import canonical_json, check_bytes, check_file
 from robimp.synthesis.check.__main__ import main
 

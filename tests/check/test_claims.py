@@ -10,6 +10,7 @@ from time import monotonic
 import pytest
 from certificate_builder import EQ23, certificate, claim, data, dob, find, omega_b, seal, spec, text
 from claim_floats import Joint, Json, num
+
 from robimp.synthesis.check import check_bytes
 from robimp.synthesis.check.joint import Joint as JointPolynomials
 from robimp.synthesis.check.joint import stiffness

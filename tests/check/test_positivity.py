@@ -10,6 +10,7 @@ from time import monotonic
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from robimp.synthesis.check.outcome import CheckError
 from robimp.synthesis.check.polynomials import ONE, ZERO, Poly, common_divisor, decays_faster, norm2, on_axis, product
 from robimp.synthesis.check.positivity import Inequality, Point, counterexample, failure

@@ -114,7 +114,9 @@ def test_what_no_controller_can_meet_is_named() -> None:
     assert unbounded is not None and "(12) disc" in str(unbounded) and "form: structured" in str(unbounded)
     small_gain = impossible(setting(wide))
     assert small_gain is not None and "(9) printed" in str(small_gain), "(9) needs W < 1 where Q cannot act"
-    assert impossible(setting(disc)) is None
+    everywhere = impossible(setting(disc))
+    assert everywhere is not None and everywhere.omega == np.inf, "the disc outlasts its budget as ω → ∞"
+    assert impossible(setting(("{form: structured}", "{form: disc, band: [0, 30]}"))) is None
     assert impossible(setting()) is None
 
 

@@ -2,7 +2,8 @@
 
 Friction acts as a disturbance, so its loop is closed by `θ' = s(1−Q̃)/Z · d`. The inverse, `Z/(s(1−Q̃)) =
 (L·G_imp + Z₀)/s` with the loop gain L, is positive real with it, and affine in the load. `Q(0) = 1` breaks it at
-ω → 0 for every K_imp > 0: an integrator against stiction hunts.
+ω → 0 for every K_imp > 0: an integrator against stiction hunts. With nominal stability and the ends of the axis, where
+the inequality says nothing about a root at s = 0 or ∞, no load of the uncertainty can move a pole across the axis.
 """
 
 from __future__ import annotations
@@ -42,5 +43,6 @@ def friction(setting: Setting) -> tuple[Constraint, ...]:
             inequalities=tuple(inequalities),
             level=Fraction(0) if setting.spec.constraints.friction == "require" else None,
             strict=True,
+            positive_real=True,
         ),
     )

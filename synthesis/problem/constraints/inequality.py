@@ -160,6 +160,7 @@ class Inequality:
 class Constraint:
     """A numbered condition: its inequalities (all must hold), what is asked of it, what to do where it is impossible.
 
+    positive_real: the ends s = 0 and ∞ count, too.
     level: the v that is required, or None when the claim is only reported. band: interval of ω [rad/s], upper end None
     for infinity; `on_band`: [0, ω_B], the objective's own; `largest_band`: the largest interval on which it holds.
     """
