@@ -102,9 +102,11 @@ def check(
     as_json: Json = False,
 ) -> None:
     """Re-prove every claim with the independent checker (standard library only)."""
-    from .spec import canonical, load_spec
+    expected = None
+    if spec is not None:
+        from .spec import canonical, load_spec
 
-    expected = None if spec is None else canonical(load_spec(spec))
+        expected = canonical(load_spec(spec))
     codes = []
     for path in certificates:
         code, message = _verdict(path, expected, time_limit)
