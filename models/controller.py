@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
 
 from flint import fmpq_poly
 
 from .rational import ONE, RationalFunction, Scalar, exact, polynomial
-
-ControllerType = Literal["dob", "dynamic-feedback"]
 
 
 @dataclass(frozen=True)

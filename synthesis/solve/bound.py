@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ...models.rational import ONE
 from ..problem.constraints import constraints
 from ..problem.constraints.inequality import Constraint, Inequality, Variable
 from ..problem.grid import Evaluator, frequency_scale, grid
@@ -102,12 +103,8 @@ class _Program:
 
         self.omega, self.evaluator = omega, Evaluator(setting, omega)
         everything = [c for c in constraints(setting) if c.required]
-        self.kept = [c for c in everything if all(q.variable is Variable.Q_TILDE and q.convex for q in c.inequalities)]
-        ideal = setting.loop.actuator.H == setting.loop.with_ideal_actuator().actuator.H
-        if ideal:
-            self.kept = [
-                c for c in everything if all(q.convex and q.variable is not Variable.L for q in c.inequalities)
-            ]
+        same = {Variable.Q_TILDE, Variable.Q} if setting.loop.actuator.H == ONE else {Variable.Q_TILDE}  # H = 1: Q = Q̃
+        self.kept = [c for c in everything if all(q.convex and q.variable in same for q in c.inequalities)]
         self.dropped = [c for c in everything if c not in self.kept]
 
         degree = 2 if setting.spec.controller.type == "dob" else max(0, setting.loop.filters.force.relative_degree)
