@@ -10,18 +10,16 @@ import json
 from fractions import Fraction
 from typing import Any
 
-from pydantic import BaseModel
-
 from ..errors import InputError, Location
 from .exact import number_text
 from .load import build_spec
-from .model import Spec
+from .model import Section, Spec
 from .tree import MAX_DEPTH, Mapping, Node, Scalar, Sequence, joined
 
 
 def canonical(spec: Spec) -> dict[str, object]:
-    """The specification as JSON types: numbers as text in lowest terms, absent options null."""
-    return {key: _plain(value) for key, value in spec}
+    """The specification as JSON types: numbers as text in lowest terms, absent options null (younger ones: no key)."""
+    return _section(spec)
 
 
 def canonical_json(document: object) -> bytes:
@@ -47,11 +45,15 @@ def from_canonical(document: dict[str, object], file: str = "<certificate>") -> 
     return spec
 
 
+def _section(section: Section) -> dict[str, object]:
+    return {key: _plain(item) for key, item in section if item is not None or key not in section.absent_when_none}
+
+
 def _plain(value: Any) -> object:
     if isinstance(value, Fraction):
         return number_text(value)
-    if isinstance(value, BaseModel):
-        return {key: _plain(field) for key, field in value}
+    if isinstance(value, Section):
+        return _section(value)
     if isinstance(value, tuple):
         return [_plain(item) for item in value]
     return value

@@ -5,13 +5,27 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Literal, cast
 
-from .fields import above, described, entries, integer, interval, non_negative, polynomials, require, word
-from .model import Constraints, Controller, Eq9, Eq12, Eq18, Filters, Interval, Objective, Polynomials, Uncertainty
+from .fields import above, described, entries, integer, non_negative, polynomials, require, word
+from .model import (
+    Constraints,
+    Controller,
+    Eq9,
+    Eq12,
+    Eq18,
+    Filters,
+    Interval,
+    Noise,
+    Objective,
+    Polynomials,
+    Uncertainty,
+)
+from .ranges import interval
 from .tree import Node, Scalar
 from .units import FREQUENCY, RATIO, Mechanics
 
 _ORDERS = {"dob": (2, 8), "dynamic-feedback": (0, 1)}
 _CHOICES = ("order", "form", "coefficients")
+_FLOAT32 = Fraction(1, 2**24)  # half a unit in the last place: what rounding to single precision changes at most
 
 
 def controller(node: Node) -> Controller:
@@ -52,7 +66,7 @@ def objective(node: Node) -> Objective:
 
 def constraints(node: Node, units: Mechanics, uncertainty: Uncertainty | None) -> Constraints:
     """What must be proven; `uncertainty` None: it could not be read, and its own error is reported."""
-    section = entries(node, optional=("eq9", "eq12", "eq18", "peak", "friction"), later=("noise",))
+    section = entries(node, optional=("eq9", "eq12", "eq18", "peak", "friction", "noise", "tolerance"))
     if "eq9" in section:
         entries(section["eq9"])
     friction = word(section["friction"], "report", "require") if "friction" in section else "report"
@@ -62,6 +76,8 @@ def constraints(node: Node, units: Mechanics, uncertainty: Uncertainty | None) -
         eq18=_eq18(section["eq18"]) if "eq18" in section else None,
         peak=above(section["peak"], 1, RATIO) if "peak" in section else None,
         friction=cast(Literal["report", "require"], friction),
+        noise=_noise(section["noise"]) if "noise" in section else None,
+        tolerance=_tolerance(section["tolerance"]) if "tolerance" in section else None,
     )
 
 
@@ -100,9 +116,10 @@ def _corner(node: Node | None) -> Fraction | None:
 def _eq12(node: Node, units: Mechanics, uncertainty: Uncertainty | None) -> Eq12:
     section = entries(node, ("form",), ("band", "margin"))
     form = cast(Literal["paper", "disc", "structured"], word(section["form"], "paper", "disc", "structured"))
-    both = uncertainty is not None and uncertainty.box is not None and uncertainty.weight is not None
-    message = f"the form {form} takes a box or a weight, not both; write structured, which takes both"
-    require(form == "structured" or not both, message, section["form"].where)
+    if form != "structured" and uncertainty is not None and uncertainty.box is not None:
+        for key in ("weight", "table"):
+            message = f"the form {form} takes a box or a {key}, not both; write structured, which takes both"
+            require(getattr(uncertainty, key) is None, message, section["form"].where)
     margin = section.get("margin")
     return Eq12(
         form=form,
@@ -124,3 +141,18 @@ def _eq18(node: Node) -> Eq18:
         form=cast(Literal["paper", "lumped", "half-plane"], word(section["form"], "paper", "lumped", "half-plane")),
         coupling=cast(Literal["frozen", "physical"], word(section["coupling"], "frozen", "physical")),
     )
+
+
+def _noise(node: Node) -> Noise:
+    section = entries(node, ("gain",), ("above",))
+    start = section.get("above")
+    return Noise(gain=above(section["gain"], 0, RATIO), above=non_negative(start, FREQUENCY) if start else Fraction(0))
+
+
+def _tolerance(node: Node) -> Fraction:
+    if isinstance(node, Scalar) and node.text == "float32":
+        return _FLOAT32
+    part = above(node, 0, RATIO)
+    message = f"expected a tolerance below 1, the part by which a coefficient may be wrong; found {described(node)}"
+    require(part < 1, message, node.where)
+    return part

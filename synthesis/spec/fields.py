@@ -8,10 +8,9 @@ from fractions import Fraction
 from typing import TypeVar
 
 from ..errors import InputError, Location
-from .exact import bounded, decimal_text
-from .model import Interval, Polynomials
+from .model import Polynomials
 from .tree import Mapping, Node, Scalar, Sequence, joined, shown
-from .units import PLAIN, Dimension, parse_quantity, parse_tolerance
+from .units import PLAIN, Dimension, parse_quantity
 
 MAX_DEGREE = 60
 
@@ -88,14 +87,14 @@ def quantity(node: Node, dimension: Dimension = PLAIN) -> Fraction:
     expected = f"expected {dimension.name}"
     if not isinstance(node, Scalar):
         raise InputError(f"{expected}; found {described(node)}; write one number", node.where)
-    return _parsed(node, expected, lambda text: parse_quantity(text, dimension))
+    return parsed(node, expected, lambda text: parse_quantity(text, dimension))
 
 
 def integer(node: Node, what: str) -> int:
     """A whole number."""
     if not isinstance(node, Scalar):
         raise InputError(f"expected {what}; found {described(node)}", node.where)
-    value = _parsed(node, f"expected {what}", lambda text: parse_quantity(text, PLAIN))
+    value = parsed(node, f"expected {what}", lambda text: parse_quantity(text, PLAIN))
     require(value.denominator == 1, f"expected {what}; found {shown(node.text)}", node.where)
     return int(value)
 
@@ -114,43 +113,20 @@ def non_negative(node: Node, dimension: Dimension = PLAIN) -> Fraction:
     return value
 
 
-def interval(node: Node, dimension: Dimension) -> Interval:
-    """A list `[low, high]` of two quantities, low ≤ high."""
-    if not isinstance(node, Sequence) or len(node.items) != 2:
-        found = f"a list of {len(node.items)}" if isinstance(node, Sequence) else described(node)
-        raise InputError(f"expected a list [low, high]; found {found}", node.where)
-    low, high = (quantity(item, dimension) for item in node.items)
-    require(
-        low <= high, f"expected low ≤ high; found [{decimal_text(low)}, {decimal_text(high)}]; swap them", node.where
-    )
-    return low, high
+def polynomials(node: Node, *, zero: bool = False) -> Polynomials:
+    """A proper rational function, descending powers of s; leading zeros of the numerator are dropped.
 
-
-def tolerance(node: Node, nominal: Fraction) -> Interval | None:
-    """The interval around `nominal` where the value reads `±p %`; None where it reads otherwise."""
-
-    def parse(text: str) -> Interval | None:
-        share = parse_tolerance(text)
-        if share is None:
-            return None
-        if share < 0:
-            raise ValueError("leave the sign out")
-        if nominal == 0:
-            raise ValueError("any share of the nominal value 0 is 0: write [low, high], or [0, 0] if it is exact")
-        return bounded(nominal * (1 - share)), bounded(nominal * (1 + share))
-
-    return _parsed(node, 'expected a tolerance such as "±20 %"', parse) if isinstance(node, Scalar) else None
-
-
-def polynomials(node: Node) -> Polynomials:
-    """A proper rational function, descending powers of s; leading zeros of the numerator are dropped."""
+    Args:
+        node: the section.
+        zero: whether the function may be zero everywhere.
+    """
     section = entries(node, ("numerator", "denominator"))
     numerator, denominator = (_coefficients(section[key]) for key in ("numerator", "denominator"))
     top, bottom = section["numerator"].where, section["denominator"].where
     require(any(denominator), "expected a denominator; every coefficient is zero", bottom)
     require(denominator[0] != 0, "expected a non-zero leading coefficient; found 0; leave it out", bottom)
-    require(any(numerator), "expected a numerator; every coefficient is zero", top)
-    while numerator[0] == 0:
+    require(zero or any(numerator), "expected a numerator; every coefficient is zero", top)
+    while numerator[0] == 0 and len(numerator) > 1:
         numerator = numerator[1:]
     message = "expected a proper rational function; found a numerator of higher degree than the denominator"
     require(len(numerator) <= len(denominator), message, top)
@@ -169,7 +145,8 @@ def _coefficients(node: Node) -> tuple[Fraction, ...]:
     return tuple(quantity(item) for item in node.items)
 
 
-def _parsed(node: Scalar, expected: str, parse: Callable[[str], T]) -> T:
+def parsed(node: Scalar, expected: str, parse: Callable[[str], T]) -> T:
+    """What `parse` makes of the text; its advice goes behind what was expected."""
     try:
         return parse(node.text)
     except ValueError as error:

@@ -1,24 +1,40 @@
-"""The physical half of a specification: plant, uncertainty, actuator and the impedance to render."""
+"""The physical half of a specification: plant, actuator, sampling and the impedance to render."""
 
 from __future__ import annotations
 
 from fractions import Fraction
 
-from ..errors import InputError
 from .exact import decimal_text
-from .fields import above, described, entries, interval, non_negative, polynomials, require, tolerance, word
-from .model import Box, IdealActuator, Impedance, Interval, Plant, SeriesElasticActuator, TorqueLoop, Uncertainty
-from .tree import Node, Scalar, Sequence
-from .units import FREQUENCY, PLAIN, TIME, Dimension, Mechanics
+from .fields import above, described, entries, non_negative, polynomials, require, word
+from .model import (
+    Actuator,
+    IdealActuator,
+    Impedance,
+    Interval,
+    Plant,
+    Sampling,
+    SeriesElasticActuator,
+    TorqueLoop,
+    TwoPortActuator,
+)
+from .ranges import one_or_range
+from .tree import Node, Sequence
+from .units import FREQUENCY, PLAIN, RATE, TIME, Dimension, Mechanics
 
 _LOAD = ("inertia", "damping", "stiffness")
+_ACTUATORS = {
+    "ideal": (),
+    "series-elastic": ("motor_inertia", "motor_damping", "spring_stiffness", "torque_loop"),
+    "two-port": ("transfer", "impedance"),
+}
 
 
 def plant(node: Node, units: Mechanics) -> Plant:
     """Nominal load: inertia > 0, damping ≥ 0, stiffness ≥ 0."""
     section = entries(node, _LOAD)
     for key in _LOAD:
-        _one_number(section[key], "the nominal value; its uncertainty belongs under `uncertainty: box:`")
+        message = "expected the nominal value; its uncertainty belongs under `uncertainty: box:`; found an interval"
+        require(not isinstance(section[key], Sequence), message, section[key].where)
     return Plant(
         inertia=above(section["inertia"], 0, units.inertia),
         damping=non_negative(section["damping"], units.damping),
@@ -26,25 +42,21 @@ def plant(node: Node, units: Mechanics) -> Plant:
     )
 
 
-def uncertainty(node: Node, units: Mechanics, nominal: Plant) -> Uncertainty:
-    """A box of loads, a weight, or both; at least one."""
-    section = entries(node, optional=("box", "weight"), later=("table", "measured"))
-    require(bool(section), "expected `box:`, `weight:` or both; a joint known exactly has a box of [v, v]", node.where)
-    return Uncertainty(
-        box=_box(section["box"], units, nominal) if "box" in section else None,
-        weight=polynomials(section["weight"]) if "weight" in section else None,
-    )
-
-
-def actuator(node: Node, units: Mechanics) -> IdealActuator | SeriesElasticActuator:
+def actuator(node: Node, units: Mechanics) -> Actuator:
     """The actuator of the joint, by its `type`."""
-    motor = ("motor_inertia", "motor_damping", "spring_stiffness", "torque_loop")
-    section = entries(node, ("type",), motor)
-    if word(section["type"], "ideal", "series-elastic") == "ideal":
-        for key in motor:
-            require(key not in section, f"an ideal actuator has no {key}; remove it", section.get(key, node).where)
+    every = [key for keys in _ACTUATORS.values() for key in keys]
+    section = entries(node, ("type",), every)
+    kind = word(section["type"], *_ACTUATORS)
+    for key, value in section.items():
+        article = "an" if kind == "ideal" else "a"
+        known = key in ("type", *_ACTUATORS[kind])
+        require(known, f"{article} {kind} actuator has no {key}; remove it", value.where)
+    section = entries(node, ("type", *_ACTUATORS[kind]), [key for key in every if key not in _ACTUATORS[kind]])
+    if kind == "ideal":
         return IdealActuator(type="ideal")
-    section = entries(node, ("type", *motor))
+    if kind == "two-port":
+        transfer, port = polynomials(section["transfer"]), polynomials(section["impedance"], zero=True)
+        return TwoPortActuator(type="two-port", transfer=transfer, impedance=port)
     return SeriesElasticActuator(
         type="series-elastic",
         motor_inertia=above(section["motor_inertia"], 0, units.inertia),
@@ -54,18 +66,31 @@ def actuator(node: Node, units: Mechanics) -> IdealActuator | SeriesElasticActua
     )
 
 
+def sampling(node: Node) -> Sampling:
+    """Hold and delay between torque command and torque."""
+    section = entries(node, ("rate", "delay"))
+    return Sampling(rate=above(section["rate"], 0, RATE), delay=non_negative(section["delay"], TIME))
+
+
 def impedance(node: Node, units: Mechanics, nominal: Plant) -> Impedance:
-    """The desired impedance; `inertia: nominal` leaves the load's own inertia as it is."""
+    """The desired impedance, or a range of them; `inertia: nominal` leaves the load's own inertia as it is."""
     section = entries(node, _LOAD)
-    for key in _LOAD:
-        _one_number(section[key], "one value: this version cannot yet prove one controller for a range of impedances")
-    inertia = section["inertia"]
-    keep = isinstance(inertia, Scalar) and inertia.text == "nominal"
     return Impedance(
-        inertia=nominal.inertia if keep else above(inertia, 0, units.inertia),
-        damping=non_negative(section["damping"], units.damping),
-        stiffness=non_negative(section["stiffness"], units.stiffness),
+        inertia=_desired(section["inertia"], units.inertia, nominal.inertia),
+        damping=_desired(section["damping"], units.damping),
+        stiffness=_desired(section["stiffness"], units.stiffness),
     )
+
+
+def _desired(node: Node, dimension: Dimension, nominal: Fraction | None = None) -> Fraction | Interval:
+    """A desired value or range; only an inertia has a nominal one, and must not vanish."""
+    value = one_or_range(node, dimension, nominal)
+    low = value[0] if isinstance(value, tuple) else value
+    sign = "≥ 0" if nominal is None else "> 0"
+    found = f"{decimal_text(low)} at its low end" if isinstance(value, tuple) else described(node)
+    message = f"expected {dimension.name} {sign}; found {found}"
+    require(low > 0 or (low == 0 and nominal is None), message, node.where)
+    return value
 
 
 def _torque_loop(node: Node) -> TorqueLoop:
@@ -79,40 +104,3 @@ def _torque_loop(node: Node) -> TorqueLoop:
     idle = loop.kp == loop.kd == loop.feedforward == 0
     require(not idle, "expected kp, kd or feedforward > 0; all are zero, and no torque is transmitted", node.where)
     return loop
-
-
-def _box(node: Node, units: Mechanics, nominal: Plant) -> Box:
-    section = entries(node, optional=_LOAD)
-    for key in _LOAD:
-        value = decimal_text(getattr(nominal, key))
-        require(key in section, f"expected {key} too; write {key}: [{value}, {value}] if it is exact", node.where)
-    box = Box(
-        inertia=_range(section["inertia"], units.inertia, nominal.inertia),
-        damping=_range(section["damping"], units.damping, nominal.damping),
-        stiffness=_range(section["stiffness"], units.stiffness, nominal.stiffness),
-    )
-    for key in _LOAD:
-        low = getattr(box, key)[0]
-        sign = "> 0" if key == "inertia" else "≥ 0"
-        message = f"expected a box in which every {key} is {sign}; found {decimal_text(low)} at its low end"
-        require(low > 0 or (low == 0 and key != "inertia"), message, section[key].where)
-    return box
-
-
-def _range(node: Node, dimension: Dimension, nominal: Fraction) -> Interval:
-    """`±p %` of the nominal value, or `[low, high]` around it."""
-    around = tolerance(node, nominal)
-    if around is not None:
-        return around
-    if not isinstance(node, Sequence):
-        message = f'expected "±20 %" or [low, high]; found {described(node)}; write [v, v] if the value v is exact'
-        raise InputError(message, node.where)
-    low, high = interval(node, dimension)
-    found = f"[{decimal_text(low)}, {decimal_text(high)}]"
-    message = f"expected an interval that holds the nominal value {decimal_text(nominal)}; found {found}"
-    require(low <= nominal <= high, message, node.where)
-    return low, high
-
-
-def _one_number(node: Node, what: str) -> None:
-    require(not isinstance(node, Sequence), f"expected {what}; found an interval", node.where)

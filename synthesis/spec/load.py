@@ -13,9 +13,11 @@ from .fields import described, entries, integer, require, word
 from .model import Spec
 from .reader import MAX_BYTES, read_tree
 from .tree import Mapping, Node, Scalar
+from .uncertainty import uncertainty as read_uncertainty
 from .units import MECHANICS
 
-_REQUIRED = tuple(Spec.model_fields)  # no section has a default
+_OPTIONAL = ("sampling",)
+_REQUIRED = tuple(key for key in Spec.model_fields if key not in _OPTIONAL)  # no other section has a default
 
 T = TypeVar("T")
 
@@ -36,11 +38,11 @@ def load_spec(path: str | Path) -> Spec:
     except (OSError, ValueError) as error:  # ValueError: a path with a null character
         reason = error.strerror if isinstance(error, OSError) else str(error)
         raise InputError(f"the file cannot be read: {reason}", where) from None
-    return parse_spec(data, str(path))
+    return build_spec(read_tree(data, str(path)), path.parent)
 
 
 def parse_spec(text: str | bytes, file: str = "<string>") -> Spec:
-    """The specification in a YAML text; `file` names it in errors.
+    """The specification in a YAML text; `file` names it in errors. A text has no folder, so it names no data files.
 
     Raises:
         InputError: see `load_spec`.
@@ -49,8 +51,11 @@ def parse_spec(text: str | bytes, file: str = "<string>") -> Spec:
     return build_spec(read_tree(data, file))
 
 
-def build_spec(root: Node) -> Spec:
-    """The specification that a tree of text describes; of several faults, the one that stands first in the file."""
+def build_spec(root: Node, folder: Path | None = None) -> Spec:
+    """The specification that a tree of text describes; of several faults, the one that stands first in the file.
+
+    Data files are looked for in `folder`; None: nowhere.
+    """
     section = _top(root)
     sections = _Sections()
     read = sections.read
@@ -59,8 +64,10 @@ def build_spec(root: Node) -> Spec:
     units = MECHANICS[motion or "rotary"]
     plant = read(lambda: joint.plant(section["plant"], units))
     actuator = read(lambda: joint.actuator(section["actuator"], units))
-    uncertainty = read(lambda: joint.uncertainty(section["uncertainty"], units, plant)) if plant else None
+    loose = section["uncertainty"]
+    uncertainty = read(lambda: read_uncertainty(loose, units, plant, actuator, folder), loose.where) if plant else None
     impedance = read(lambda: joint.impedance(section["impedance"], units, plant)) if plant else None
+    sampling = read(lambda: joint.sampling(section["sampling"])) if "sampling" in section else None
     controller = read(lambda: demands.controller(section["controller"]))
     objective = read(lambda: demands.objective(section["objective"]))
     constraints = read(lambda: demands.constraints(section["constraints"], units, uncertainty))
@@ -77,6 +84,7 @@ def build_spec(root: Node) -> Spec:
             "controller": controller,
             "objective": objective,
             "constraints": constraints,
+            "sampling": sampling,
         }
     )
 
@@ -85,22 +93,25 @@ class _Sections:
     """Reads section after section, keeping the fault of each."""
 
     def __init__(self) -> None:
-        self.faults: list[InputError] = []
+        self.faults: list[tuple[Location | None, InputError]] = []
 
-    def read(self, build: Callable[[], T]) -> T | None:
+    def read(self, build: Callable[[], T], where: Location | None = None) -> T | None:
+        """What `build` reads; `where` it stands in the specification if its faults may lie in another file."""
         try:
             return build()
         except InputError as fault:
-            self.faults.append(fault)
+            place = fault.location
+            foreign = where and place and place.file != where.file
+            self.faults.append((where if foreign else place, fault))
             return None
 
     def raise_first(self) -> None:
-        def position(fault: InputError) -> tuple[int, int]:
-            place = fault.location
+        def position(found: tuple[Location | None, InputError]) -> tuple[int, int]:
+            place = found[0]
             return (place.line or 0, place.column or 0) if place else (0, 0)
 
         if self.faults:
-            raise min(self.faults, key=position)
+            raise min(self.faults, key=position)[1]
 
 
 def _top(root: Node) -> dict[str, Node]:
@@ -110,7 +121,7 @@ def _top(root: Node) -> dict[str, Node]:
         what = "the format version 1"
         message = f"expected {what}; found {described(version)}; this release reads no other"
         require(integer(version, what) == 1, message, version.where)
-    return entries(root, _REQUIRED, later=("sampling",))
+    return entries(root, _REQUIRED, optional=_OPTIONAL)
 
 
 def _name(node: Node) -> str:

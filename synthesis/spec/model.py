@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Literal
+from typing import ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict
 
@@ -12,6 +12,9 @@ class Section(BaseModel):
     """Base of every section: frozen, strict, no unknown keys."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="forbid", arbitrary_types_allowed=True)
+    absent_when_none: ClassVar[frozenset[str]] = (
+        frozenset()
+    )  # keys younger than format 1: older digests must not change
 
 
 Interval = tuple[Fraction, Fraction]
@@ -40,11 +43,35 @@ class Polynomials(Section):
     denominator: tuple[Fraction, ...]
 
 
+class ActuatorBox(Section):
+    """Intervals that hold the true parameters of a series-elastic actuator; None: exactly the nominal one."""
+
+    absent_when_none = frozenset({"motor_inertia", "motor_damping", "spring_stiffness"})
+
+    motor_inertia: Interval | None = None
+    motor_damping: Interval | None = None
+    spring_stiffness: Interval | None = None
+
+
+class Table(Section):
+    """`|Δ(jω)| ≤ W(ω)` by points (ω in rad/s, bound), linear in ω between them; outside, the end bounds hold."""
+
+    points: tuple[tuple[Fraction, Fraction], ...]
+    beyond: Literal["hold"]
+
+
 class Uncertainty(Section):
-    """Sources of `G = Ĝ(1+Δ)`: a box of loads, a rational weight `|Δ(jω)| ≤ |W(jω)|`, or weight on top of box."""
+    """How far the true joint may be from the nominal one; a weight and a table come on top of a box, and multiply.
+
+    Of the load, `G = Ĝ(1+Δ)`: a box, a rational weight `|Δ(jω)| ≤ |W(jω)|`, a table. Of the actuator: its own box.
+    """
+
+    absent_when_none = frozenset({"actuator", "table"})
 
     box: Box | None = None
     weight: Polynomials | None = None
+    actuator: ActuatorBox | None = None
+    table: Table | None = None
 
 
 class IdealActuator(Section):
@@ -72,12 +99,30 @@ class SeriesElasticActuator(Section):
     torque_loop: TorqueLoop
 
 
-class Impedance(Section):
-    """`G_imp = I s² + B s + K`, what the port should feel like."""
+class TwoPortActuator(Section):
+    """`τ_act = H τ_d − Z_a θ` with H (`transfer`) and Z_a (`impedance`) given."""
 
-    inertia: Fraction
-    damping: Fraction
-    stiffness: Fraction
+    type: Literal["two-port"]
+    transfer: Polynomials
+    impedance: Polynomials
+
+
+Actuator = IdealActuator | SeriesElasticActuator | TwoPortActuator
+
+
+class Sampling(Section):
+    """Zero-order hold of 1/`rate` (Hz) and a computation delay (s) between torque command and torque."""
+
+    rate: Fraction
+    delay: Fraction
+
+
+class Impedance(Section):
+    """`G_imp = I s² + B s + K`, what the port should feel like; an interval: one controller for the whole range."""
+
+    inertia: Fraction | Interval
+    damping: Fraction | Interval
+    stiffness: Fraction | Interval
 
 
 class Filters(Section):
@@ -128,26 +173,43 @@ class Eq18(Section):
     coupling: Literal["frozen", "physical"]
 
 
+class Noise(Section):
+    """Torque command per torque-sensor noise, output locked: `|C F/(1 + H C F)| ≤ gain` at every ω ≥ above (rad/s)."""
+
+    gain: Fraction
+    above: Fraction = Fraction(0)
+
+
 class Constraints(Section):
-    """What must be proven besides nominal stability and the bandwidth."""
+    """What must be proven besides nominal stability and the bandwidth.
+
+    `tolerance`: all of it still holds when every controller coefficient is wrong by up to this part of itself.
+    """
+
+    absent_when_none = frozenset({"noise", "tolerance"})
 
     eq9: Eq9 | None = None
     eq12: Eq12 | None = None
     eq18: Eq18 | None = None
     peak: Fraction | None = None
     friction: Literal["report", "require"] = "report"
+    noise: Noise | None = None
+    tolerance: Fraction | None = None
 
 
 class Spec(Section):
     """One joint, its uncertainty, the impedance it should render, and what to prove."""
+
+    absent_when_none = frozenset({"sampling"})
 
     robimp: Literal[1]
     name: str
     motion: Literal["rotary", "linear"]
     plant: Plant
     uncertainty: Uncertainty
-    actuator: IdealActuator | SeriesElasticActuator
+    actuator: Actuator
     impedance: Impedance
     controller: Controller
     objective: Objective
     constraints: Constraints
+    sampling: Sampling | None = None

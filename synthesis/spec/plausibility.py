@@ -3,41 +3,38 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from decimal import Decimal
 from fractions import Fraction
 
 from .exact import decimal_text
 from .model import SeriesElasticActuator, Spec
-from .units import TWO_PI
+from .timing import hertz, resonances, timing_warnings
 
 _SLOWEST, _FASTEST = Fraction("0.05"), Fraction(500)  # Hz; joints of robots resonate in between
 
 
 def spec_warnings(spec: Spec) -> tuple[str, ...]:
     """One line each, in the order of the file; empty for a specification that looks as usual."""
-    return (*_resonances(spec), *_spring(spec), *_filters(spec), *_disc_band(spec))
+    return (*_resonances(spec), *_spring(spec), *_filters(spec), *_disc_band(spec), *timing_warnings(spec))
 
 
 def _resonances(spec: Spec) -> Iterator[str]:
     """`√(K/I)/2π` of the load against its spring and against its impedance: far off, a unit is likely wrong."""
-    stiffnesses = {"impedance.stiffness": spec.impedance.stiffness}
-    if isinstance(spec.actuator, SeriesElasticActuator):
-        stiffnesses["actuator.spring_stiffness"] = spec.actuator.spring_stiffness
-    for key, stiffness in stiffnesses.items():
-        squared = stiffness / spec.plant.inertia / TWO_PI**2
-        if stiffness and not _SLOWEST**2 <= squared <= _FASTEST**2:
-            hertz = (Decimal(squared.numerator) / Decimal(squared.denominator)).sqrt()
+    said = set()
+    for what, squared in resonances(spec):
+        if squared and what not in said and not _SLOWEST**2 <= squared <= _FASTEST**2:
+            said.add(what)
             yield (
-                f"{key} on plant.inertia resonates at {hertz:.3g} Hz, outside 0.05 to 500 Hz: "
+                f"{what} resonates at {hertz(squared)}, outside 0.05 to 500 Hz: "
                 f"check the units of both, and `motion: {spec.motion}`"
             )
 
 
 def _spring(spec: Spec) -> Iterator[str]:
     actuator, stiffness = spec.actuator, spec.impedance.stiffness
-    if isinstance(actuator, SeriesElasticActuator) and stiffness > actuator.spring_stiffness:
+    highest = stiffness[1] if isinstance(stiffness, tuple) else stiffness
+    if isinstance(actuator, SeriesElasticActuator) and highest > actuator.spring_stiffness:
         yield (
-            f"impedance.stiffness {decimal_text(stiffness)} exceeds actuator.spring_stiffness "
+            f"impedance.stiffness {decimal_text(highest)} exceeds actuator.spring_stiffness "
             f"{decimal_text(actuator.spring_stiffness)}: passivity leaves almost no bandwidth there"
         )
 

@@ -10,6 +10,7 @@ from .units import MECHANICS, Dimension
 
 Schema: TypeAlias = dict[str, Any]
 
+TOLERANCE = r"(±|\+-|\+/-).*%"
 _QUANTITY = rf"^\s*{NUMBER}\s*([^\s0-9.+-].*)?$"
 
 
@@ -59,6 +60,11 @@ def pair(description: str, *dimensions: Dimension) -> Schema:
     """A list [low, high]."""
     item = non_negative("", *dimensions)
     return {"type": "array", "items": item, "minItems": 2, "maxItems": 2, "description": description}
+
+
+def tolerance(before: str = "") -> Schema:
+    """`±p %`, behind what the pattern `before` matches."""
+    return {"type": "string", "pattern": rf"^\s*{before}\s*{TOLERANCE}\s*$"}
 
 
 def polynomials(description: str) -> Schema:

@@ -21,7 +21,7 @@ DEGREES_PER_RADIAN = Fraction("57.29577951308232087679815")
 _MILLI, _CENTI2, _KILO = Fraction(1, 1000), Fraction(1, 10_000), Fraction(1000)
 
 _QUANTITY = re.compile(rf"({NUMBER})\s*(.*)", re.DOTALL)
-_PERCENT = re.compile(r"(?:±|\+-|\+/-)\s*(.*?)\s*%", re.DOTALL)
+_PERCENT = re.compile(r"(.*?)\s*(?:±|\+-|\+/-)\s*(.*?)\s*%", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -65,6 +65,7 @@ _LINEAR = Mechanics(
 MECHANICS: Mapping[Literal["rotary", "linear"], Mechanics] = {"rotary": _ROTARY, "linear": _LINEAR}
 
 FREQUENCY = Dimension("an angular frequency", {"rad/s": Fraction(1), "Hz": TWO_PI, "kHz": TWO_PI * _KILO})
+RATE = Dimension("a sampling rate", {"Hz": Fraction(1), "kHz": _KILO})  # samples per second: no factor 2π
 TIME = Dimension("a time", {"s": Fraction(1), "ms": _MILLI, "us": _MILLI * _MILLI})
 RATIO = Dimension("a ratio", {"%": Fraction(1, 100)})
 PLAIN = Dimension("a plain number", {})
@@ -93,14 +94,14 @@ def parse_quantity(text: str, dimension: Dimension) -> Fraction:
     raise ValueError(f"{match[2][:20]!r} is not a unit of {dimension.name} here: {units}")
 
 
-def parse_tolerance(text: str) -> Fraction | None:
-    """p of `±p %` as a fraction of one; None where the text is no tolerance.
+def parse_tolerance(text: str) -> tuple[str, Fraction] | None:
+    """What stands before `±p %`, and p as a fraction of one; None where the text has no tolerance.
 
     Raises:
         ValueError: with advice, where the text is a tolerance without a usable number.
     """
     match = _PERCENT.fullmatch(text.strip())
-    return parse_number(match[1]) / 100 if match else None
+    return (match[1], parse_number(match[2]) / 100) if match else None
 
 
 def _plain(unit: str) -> str:

@@ -1,0 +1,114 @@
+"""A frequency table in a CSV file: two columns, frequency and bound; exact numbers, and every fault at its line."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+from ..errors import InputError, Location
+from .data_file import read_bytes
+from .exact import bounded, decimal_text, misread, parse_number
+from .fields import require
+from .reader import decode
+from .tree import shown
+from .units import FREQUENCY, RATIO, Dimension, parse_quantity
+
+MAX_ROWS = 1000
+
+Points = tuple[tuple[Fraction, Fraction], ...]
+
+_EXAMPLE = "write `frequency [Hz],bound` or `omega [rad/s],bound`"
+_HEADINGS = tuple(
+    re.compile(rf"(?:{names})\s*(?:\[(.+)\]|\((.+)\))?", re.IGNORECASE) for names in ("frequency|omega|ω", "bound")
+)
+
+
+@dataclass(frozen=True)
+class Point:
+    """One row: where it stands, its frequency in rad/s, its bound."""
+
+    where: Location
+    omega: Fraction
+    bound: Fraction
+
+
+def ordered(rows: Iterable[Point], whole: Location) -> Points:
+    """The points of a table: at least one, frequencies from 0 that increase, bounds ≥ 0."""
+    points: list[tuple[Fraction, Fraction]] = []
+    for row in rows:
+        message = f"expected at most {MAX_ROWS} points; found more; leave some out, and round the bound up around them"
+        require(len(points) < MAX_ROWS, message, row.where)
+        require(row.omega >= 0, f"expected a frequency ≥ 0; found {decimal_text(row.omega)} rad/s", row.where)
+        require(row.bound >= 0, f"expected a bound ≥ 0; found {decimal_text(row.bound)}", row.where)
+        if points:
+            last, here = points[-1][0], f"{decimal_text(row.omega)} after {decimal_text(points[-1][0])} rad/s"
+            twice = f"expected each frequency once; found {here}; keep the larger bound"
+            require(row.omega != last, twice, row.where)
+            require(row.omega > last, f"expected frequencies that increase; found {here}; sort the rows", row.where)
+        points.append((row.omega, row.bound))
+    require(bool(points), "expected at least one point, a frequency and a bound; found none", whole)
+    return tuple(points)
+
+
+def read_table(path: Path, where: Location) -> Points:
+    """The points of a CSV file; `where` it is named.
+
+    Raises:
+        InputError: file, line and column name of the first fault, what was expected, what to do.
+    """
+    text, file = decode(read_bytes(path, where), str(path)), str(path)
+    return ordered(_points(text, file), Location(file, 1))
+
+
+def _points(text: str, file: str) -> Iterator[Point]:
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
+    factors = (Fraction(1), Fraction(1))
+    first = True
+    try:
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if not any(cells) and len(cells) < 2:
+                continue
+            line = Location(file, reader.line_num)
+            _two(cells, line)
+            if first and misread(cells[0]) is None and not re.match(r"[0-9.+-]", cells[0]):
+                factors = (_factor(cells[0], 0, FREQUENCY, line), _factor(cells[1], 1, RATIO, line))
+            else:
+                omega = _number(cells[0], factors[0], line, "frequency")
+                yield Point(line, omega, _number(cells[1], factors[1], line, "bound"))
+            first = False
+    except csv.Error as error:
+        raise InputError(f"not valid CSV: {error}; check the quotes", Location(file, reader.line_num)) from None
+
+
+def _two(cells: list[str], line: Location) -> None:
+    stray = next((sign for sign in (";", "\t") if any(sign in cell for cell in cells)), None)
+    message = f"expected a comma between the columns; found {stray!r}; write `10.5,0.1`: a comma, and decimal points"
+    require(stray is None, message, line)
+    message = f"expected two columns, frequency and bound; found {len(cells)}"
+    require(len(cells) == 2, message, line)
+
+
+def _factor(heading: str, column: int, dimension: Dimension, line: Location) -> Fraction:
+    """What one of a column's unit is worth in SI; a heading without unit: SI."""
+    match = _HEADINGS[column].fullmatch(heading)
+    expected = f"expected {('a heading or a frequency', 'the heading bound')[column]}; found {shown(heading)}"
+    if not match:
+        raise InputError(f"{expected}; {_EXAMPLE}", line)
+    try:
+        return parse_quantity(f"1 {(match[1] or match[2] or '').strip()}", dimension)
+    except ValueError as error:
+        raise InputError(f"{expected}: {error}", line) from None
+
+
+def _number(cell: str, factor: Fraction, line: Location, column: str) -> Fraction:
+    try:
+        return bounded(parse_number(cell) * factor)
+    except ValueError as error:
+        message = f"expected a number; found {shown(cell) if cell else 'nothing'}: {error}; units go into the heading"
+        raise InputError(message, Location(line.file, line.line, key=column)) from None
