@@ -150,7 +150,8 @@ def _noise(node: Node) -> Noise:
 
 
 def _tolerance(node: Node) -> Fraction:
-    if isinstance(node, Scalar) and node.text == "float32":
+    if isinstance(node, Scalar) and node.text.startswith("float"):
+        word(node, "float32")
         return _FLOAT32
     part = above(node, 0, RATIO)
     message = f"expected a tolerance below 1, the part by which a coefficient may be wrong; found {described(node)}"

@@ -24,7 +24,8 @@ Points = tuple[tuple[Fraction, Fraction], ...]
 
 _EXAMPLE = "write `frequency [Hz],bound` or `omega [rad/s],bound`"
 _HEADINGS = tuple(
-    re.compile(rf"(?:{names})\s*(?:\[(.+)\]|\((.+)\))?", re.IGNORECASE) for names in ("frequency|omega|ω", "bound")
+    re.compile(rf"(?:{name})\s*(?:\[({unit})\]|\(({unit})\))?", re.IGNORECASE)
+    for name, unit in (("frequency|omega|ω", ".+"), ("bound", r"\s*%\s*"))
 )
 
 
@@ -97,7 +98,9 @@ def _two(cells: list[str], line: Location) -> None:
 def _factor(heading: str, column: int, dimension: Dimension, line: Location) -> Fraction:
     """What one of a column's unit is worth in SI; a heading without unit: SI."""
     match = _HEADINGS[column].fullmatch(heading)
-    expected = f"expected {('a heading or a frequency', 'the heading bound')[column]}; found {shown(heading)}"
+    expected = (
+        f"expected {('a heading or a frequency', 'the heading bound or bound [%]')[column]}; found {shown(heading)}"
+    )
     if not match:
         raise InputError(f"{expected}; {_EXAMPLE}", line)
     try:

@@ -34,7 +34,16 @@ def numbers(value: Any, key: str = "") -> Iterator[str]:
     elif isinstance(value, list):
         for item in value:
             yield from numbers(item, key)
-    elif isinstance(value, str) and key not in {"name", "motion", "type", "form", "coupling", "friction", "maximize", "beyond"}:
+    elif isinstance(value, str) and key not in {
+        "name",
+        "motion",
+        "type",
+        "form",
+        "coupling",
+        "friction",
+        "maximize",
+        "beyond",
+    }:
         yield value
 
 
