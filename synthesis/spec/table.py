@@ -98,9 +98,8 @@ def _two(cells: list[str], line: Location) -> None:
 def _factor(heading: str, column: int, dimension: Dimension, line: Location) -> Fraction:
     """What one of a column's unit is worth in SI; a heading without unit: SI."""
     match = _HEADINGS[column].fullmatch(heading)
-    expected = (
-        f"expected {('a heading or a frequency', 'the heading bound or bound [%]')[column]}; found {shown(heading)}"
-    )
+    what = ("a heading or a frequency", "the heading bound or bound [%]")[column]
+    expected = f"expected {what}; found {shown(heading)}"
     if not match:
         raise InputError(f"{expected}; {_EXAMPLE}", line)
     try:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import re
 import time
+from collections.abc import Callable
 from fractions import Fraction
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from spec_texts import EVERY_NEW_KEY
 
 from robimp.synthesis.errors import InputError
-from robimp.synthesis.spec import Spec, canonical, fields, from_canonical, parse_spec
+from robimp.synthesis.spec import Spec, canonical, fields, from_canonical, parse_spec, spec_warnings
 from robimp.synthesis.spec.exact import number_text, parse_number
 
 RELAXED = settings(
@@ -69,6 +71,20 @@ def test_the_good_specification_with_one_value_replaced(data: st.DataObject, goo
     spec = answer(good[: value.start()] + data.draw(TROUBLE) + good[value.end() :])
     if spec is not None:  # what is accepted survives its canonical form
         assert from_canonical(canonical(spec)) == spec
+
+
+@RELAXED
+@given(data=st.data())
+def test_a_specification_of_every_new_key_with_one_value_replaced(
+    data: st.DataObject, edit: Callable[..., str]
+) -> None:
+    text = edit(*EVERY_NEW_KEY)
+    values = list(re.finditer(r"(?<=[:\[,] )[^\s{}\[\],]+|(?<=\[)[^\s{}\[\],]+", text))
+    value = data.draw(st.sampled_from(values))
+    spec = answer(text[: value.start()] + data.draw(TROUBLE) + text[value.end() :])
+    if spec is not None:
+        assert from_canonical(canonical(spec)) == spec
+        assert all(isinstance(warning, str) for warning in spec_warnings(spec))
 
 
 @RELAXED

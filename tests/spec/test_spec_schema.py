@@ -10,6 +10,18 @@ import jsonschema
 import pytest
 from pydantic import BaseModel
 from ruamel.yaml import YAML
+from spec_texts import (
+    EVERY_NEW_KEY,
+    TWO_PORT,
+    Pair,
+    actuator,
+    demand,
+    inertia,
+    loose_actuator,
+    sampling,
+    stiffness,
+    table,
+)
 
 from robimp.synthesis.spec import Spec, json_schema
 from robimp.synthesis.spec.model import SeriesElasticActuator
@@ -53,6 +65,22 @@ def test_good_specifications_validate(path: Path) -> None:
         ("order: 4", "form: eq23"),
         ("attenuation: 0.3", "attenuation: 30 %"),
         ("name: joint", "name: 2016"),
+        *EVERY_NEW_KEY,
+        sampling("{rate: 1000, delay: 0}"),
+        stiffness("1.25 ±20 %"),
+        stiffness('"1.25 N·m/rad +/- 20 %"'),
+        stiffness("1.25+-20%"),
+        stiffness("[1 N·m/rad, 2]"),
+        inertia("±10 %"),
+        inertia("0.02"),
+        inertia("[0.02, 0.04]"),
+        loose_actuator("{spring_stiffness: [4, 5], motor_damping: ±10 %}"),
+        table("{file: data/bound.csv, beyond: hold}"),
+        actuator(TWO_PORT),
+        actuator("{type: ideal}"),
+        demand("noise: {gain: 30}"),
+        demand("tolerance: 1e-6"),
+        demand("tolerance: 0.1 %"),
     ],
 )
 def test_units_and_options_validate(pair: tuple[str, str], edit: Edit) -> None:
@@ -63,6 +91,68 @@ def test_units_and_options_validate(pair: tuple[str, str], edit: Edit) -> None:
 def test_bad_specifications_do_not(name: str) -> None:
     document = content((SPECS / "bad" / f"{name}.yaml").read_text(encoding="utf-8"))
     assert not VALIDATOR.is_valid(document)
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [
+        sampling("{rate: 1000}"),
+        sampling("{delay: 0}"),
+        sampling("{rate: 1000, delay: -0.001}"),
+        sampling("{rate: 0, delay: 0}"),
+        sampling("{rate: 1000, delay: fast}"),
+        sampling("{rate: 1000, delay: 0, period: 1}"),
+        sampling("1 kHz"),
+        stiffness("[1]"),
+        stiffness("[1, 2, 3]"),
+        stiffness("[-1, 2]"),
+        stiffness("±20 %"),
+        stiffness("nominal"),
+        stiffness("-1"),
+        stiffness("{low: 1, high: 2}"),
+        inertia("0"),
+        inertia("nominall"),
+        inertia("''"),
+        inertia("[1, 2, 3]"),
+        inertia("about ±20 %"),
+        loose_actuator("{}"),
+        loose_actuator("{torque_loop: ±5 %}"),
+        loose_actuator("{motor_inertia: 0.01}"),
+        loose_actuator("{motor_inertia: [1]}"),
+        loose_actuator("{motor_damping: [-1, 1]}"),
+        ("box: {inertia: ±20 %, damping: ±40 %, stiffness: [0, 0]}", "actuator: {motor_inertia: ±10 %}"),
+        table("{points: [[1, 1]]}"),
+        table("{points: [[1, 1]], beyond: zero}"),
+        table("{points: [], beyond: hold}"),
+        table("{points: [[1]], beyond: hold}"),
+        table("{points: [[1, 2, 3]], beyond: hold}"),
+        table("{points: [[-1, 2]], beyond: hold}"),
+        table("{points: [[1, -2]], beyond: hold}"),
+        table("{points: [" + "[1, 1], " * 1001 + "], beyond: hold}"),
+        table("{file: bound.csv}"),
+        table("{file: '', beyond: hold}"),
+        table("{file: bound.csv, points: [[1, 1]], beyond: hold}"),
+        table("{beyond: hold}"),
+        actuator("{type: two-port}"),
+        actuator(TWO_PORT.replace("two-port", "ideal")),
+        actuator(TWO_PORT.replace("two-port", "two-port, kp: 1")),
+        actuator(TWO_PORT.replace("[1, 20, 100]", "[]")),
+        actuator(TWO_PORT.replace("[100]", "100")),
+        demand("noise: {}"),
+        demand("noise: {gain: 0}"),
+        demand("noise: {gain: 30, above: -1}"),
+        demand("noise: {gain: 30, below: 1}"),
+        demand("noise: 30"),
+        demand("tolerance: 0"),
+        demand("tolerance: 1"),
+        demand("tolerance: float64"),
+        demand("tolerance: [1e-6]"),
+        demand("tolerance: {}"),
+    ],
+    ids=lambda pair: pair[1][-40:],
+)
+def test_bad_new_keys_do_not(pair: Pair, edit: Edit) -> None:
+    assert not VALIDATOR.is_valid(content(edit(pair)))
 
 
 def keys(schema: dict[str, Any], prefix: str = "") -> set[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from spec_texts import EVERY_NEW_KEY, actuator, demand, sampling, stiffness, table
 
 from robimp.synthesis.spec import parse_spec, spec_warnings
 
@@ -24,6 +25,25 @@ Pairs = list[tuple[str, str]]
         ([("order: 4", "order: 4, filters: {position: 200}")], ["equal filters render better"]),
         ([("form: structured", "form: disc")], ["cannot hold up to ω = ∞"]),
         ([("form: structured", "form: paper")], ["write `form: structured`"]),
+        ([stiffness("[0.2, 10]")], ["impedance.stiffness 10 exceeds actuator.spring_stiffness 4.8"]),
+        ([stiffness("[0.0001, 4]")], ["impedance.stiffness", "0.00919 Hz"]),
+        ([actuator("{type: ideal}"), stiffness("[1e6, 1e7]")], ["impedance.stiffness", "919 Hz"]),
+        ([sampling("{rate: 100, delay: 0}")], ["sampling.rate 100 Hz is below 10 times the 11.6 Hz of", "torque_loop"]),
+        ([sampling("{rate: 1, delay: 1 ms}")], ["check its unit, Hz or kHz"]),
+        (
+            [actuator("{type: ideal}"), sampling("{rate: 10, delay: 0}")],
+            ["10 times the 1.03 Hz of impedance.stiffness"],
+        ),
+        ([actuator("{type: ideal}"), sampling("{rate: 15, delay: 0}"), stiffness("[1, 4]")], ["the 1.84 Hz of"]),
+        ([sampling("{rate: 1 kHz, delay: 1}")], ["sampling.delay 1 s is 1000 sampling periods", "write ms"]),
+        ([sampling("{rate: 1 kHz, delay: 101 ms}")], ["is 101 sampling periods"]),
+        ([sampling("{rate: 6283.2, delay: 0}")], ["sampling.rate 6283.2 Hz is 2π·1000", "write 1000 Hz"]),
+        ([sampling("{rate: 1571, delay: 0}")], ["2π·250"]),
+        ([table("{points: [[0.1, 0.1], [1, 0.5]], beyond: hold}")], ["ends at 1 rad/s, below the 2.01 Hz of", "in Hz"]),
+        (
+            [sampling("{rate: 1 kHz, delay: 0}"), demand("noise: {gain: 3, above: 2 kHz}")],
+            ["constraints.noise.above 12566.4 rad/s lies beyond half of sampling.rate, 3141.59 rad/s"],
+        ),
     ],
 )
 def test_a_warning(pairs: Pairs, warned: list[str], edit: Edit) -> None:
@@ -43,6 +63,16 @@ def test_a_warning(pairs: Pairs, warned: list[str], edit: Edit) -> None:
         [("order: 4", "order: 4, filters: {position: none}")],
         [("form: structured", "form: disc, band: [0, 50]")],
         [("form: structured", "form: disc"), ("inertia: ±20 %", "inertia: [0.03, 0.03]")],
+        list(EVERY_NEW_KEY),
+        [stiffness("[0, 4.8]")],
+        [sampling("{rate: 117, delay: 0}")],
+        [sampling("{rate: 1 kHz, delay: 100 ms}")],
+        *([sampling(f"{{rate: {rate}, delay: 0}}")] for rate in ("125", "500", "1024", "2e3", "4e3", "8000", "1e300")),
+        [table("{points: [[1, 0.1]], beyond: hold}")],
+        [table("{points: [[1, 0.1], [13, 0.2]], beyond: hold}")],
+        [demand("noise: {gain: 3, above: 2 kHz}")],
+        [sampling("{rate: 1 kHz, delay: 0}"), demand("noise: {gain: 3, above: 3141}")],
+        [actuator("{type: ideal}"), sampling("{rate: 11, delay: 0}")],
     ],
 )
 def test_no_warning(pairs: Pairs, edit: Edit) -> None:
