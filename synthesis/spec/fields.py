@@ -47,7 +47,9 @@ def entries(
         later: keys of the format that this version cannot prove anything about: refused, never ignored.
     """
     if not isinstance(node, Mapping):
-        advice = f"give it the keys {', '.join(required)}" if required else "write {} for one without keys"
+        advice = "write {} for one without keys"
+        if required or optional:
+            advice = f"give it {'the keys' if required else 'some of the keys'} {', '.join(required or optional)}"
         raise InputError(f"expected a section; found {described(node)}; {advice}", node.where)
     known = (*required, *optional, *later)
     found: dict[str, Node] = {}

@@ -61,6 +61,10 @@ def one_or_range(node: Node, dimension: Dimension, nominal: Fraction | None = No
             middle = nominal
         elif alone:
             raise ValueError("say of what: write the value before it, such as 1.25 ±20 %, or [low, high]")
+        elif value == "nominal":
+            raise ValueError("only the inertia can stay the load's own: write a number")
+        elif share is None and "±" in value:
+            raise ValueError("a tolerance is a share of the value: write a percent sign behind it, such as 1.25 ±20 %")
         else:
             middle = parse_quantity(value, dimension)
         return middle if share is None else _narrowed(_spread(middle, share))

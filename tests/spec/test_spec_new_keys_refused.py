@@ -57,10 +57,10 @@ RANGES: list[Case] = [
         (stiffness("1.25 ±120 %"), "stiffness", "expected a stiffness ≥ 0; found -0.25 at its low end"),
         (stiffness("1.25 ±x %"), "stiffness", "write a number such as"),
         (stiffness("1.25 ± %"), "stiffness", "it is empty"),
-        (stiffness("1.25 ±20"), "stiffness", "'±20' is not a unit of a stiffness"),
+        (stiffness("1.25 ±20"), "stiffness", "write a percent sign behind it, such as 1.25 ±20 %"),
         (stiffness("0 ±20 %"), "stiffness", "any share of the nominal value 0 is 0"),
         (stiffness("-1 ±20 %"), "stiffness", "expected a stiffness ≥ 0"),
-        (stiffness("nominal ±20 %"), "stiffness", "found 'nominal ±20 %'"),
+        (stiffness("nominal ±20 %"), "stiffness", "only the inertia can stay the load's own: write a number"),
         (stiffness("{low: 1, high: 2}"), "stiffness", "found a section; write one number"),
         (stiffness("-1"), "stiffness", "expected a stiffness ≥ 0; found '-1'"),
         (inertia("[0, 1]"), "inertia", "expected an inertia > 0; found 0 at its low end"),
@@ -74,7 +74,7 @@ ACTUATOR_BOX: list[Case] = [
     (loose_actuator(text), 5, f"uncertainty.actuator{key}", fragment)
     for text, key, fragment in [
         ("{}", "", "expected one of motor_inertia, motor_damping, spring_stiffness, or several; found none"),
-        ("±10 %", "", "expected a section; found '±10 %'"),
+        ("±10 %", "", "expected a section; found '±10 %'; give it some of the keys motor_inertia"),
         ("{motor_inertia: [0.02, 0.03]}", ".motor_inertia", "holds the nominal value 0.01; found [0.02, 0.03]"),
         ("{spring_stiffness: [5, 4]}", ".spring_stiffness", "expected low ≤ high; found [5, 4]"),
         ("{motor_inertia: [0, 1]}", ".motor_inertia", "every motor_inertia is > 0; found 0 at its low end"),
