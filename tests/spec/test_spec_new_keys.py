@@ -155,6 +155,11 @@ def test_a_two_port(edit: Edit) -> None:
     assert isinstance(found, TwoPortActuator) and found.impedance.numerator == (Fraction(0),)
 
 
+def test_what_another_actuator_has_may_be_null(good: str, edit: Edit) -> None:
+    assert parse_spec(edit(("type: series-elastic,", "type: series-elastic, transfer: null,"))) == parse_spec(good)
+    assert parse_spec(edit(actuator("{type: ideal, impedance: null, motor_inertia: null}"))).actuator.type == "ideal"
+
+
 @pytest.mark.parametrize(
     ("text", "noise"),
     [

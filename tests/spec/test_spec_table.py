@@ -111,6 +111,7 @@ def test_the_folder_is_that_of_the_specification(tmp_path: Path, load: Load, mon
         (b"1,1e400\n", 1, "bound", "exponent must lie between"),
         (b"1,0.1\n2,text\n", 2, "bound", "found 'text': write a number such as"),
         (b"1,0.1\n2,\n", 2, "bound", "found nothing: it is empty"),
+        (b"1,0.1\n,\n", 2, "frequency", "found nothing: it is empty"),
         (b"1,0.1\n,0.2\n", 2, "frequency", "found nothing: it is empty"),
         (b"1,0.1\nomega,bound\n", 2, "frequency", "found 'omega'"),
         (b"1;0.1\n", 1, None, "expected a comma between the columns; found ';'"),

@@ -41,6 +41,10 @@ Pairs = list[tuple[str, str]]
         ([sampling("{rate: 1571, delay: 0}")], ["2π·250"]),
         ([table("{points: [[0.1, 0.1], [1, 0.5]], beyond: hold}")], ["ends at 1 rad/s, below the 2.01 Hz of", "in Hz"]),
         (
+            [sampling("{rate: 1 kHz, delay: 0}"), demand("noise: {gain: 3, above: 3142}")],
+            ["above 3142 rad/s lies beyond"],
+        ),
+        (
             [sampling("{rate: 1 kHz, delay: 0}"), demand("noise: {gain: 3, above: 2 kHz}")],
             ["constraints.noise.above 12566.4 rad/s lies beyond half of sampling.rate, 3141.59 rad/s"],
         ),
@@ -67,7 +71,10 @@ def test_a_warning(pairs: Pairs, warned: list[str], edit: Edit) -> None:
         [stiffness("[0, 4.8]")],
         [sampling("{rate: 117, delay: 0}")],
         [sampling("{rate: 1 kHz, delay: 100 ms}")],
-        *([sampling(f"{{rate: {rate}, delay: 0}}")] for rate in ("125", "500", "1024", "2e3", "4e3", "8000", "1e300")),
+        *(
+            [sampling(f"{{rate: {rate}, delay: 0}}")]
+            for rate in ("125", "6280", "500", "1024", "2e3", "4e3", "8000", "1e300")
+        ),
         [table("{points: [[1, 0.1]], beyond: hold}")],
         [table("{points: [[1, 0.1], [13, 0.2]], beyond: hold}")],
         [demand("noise: {gain: 3, above: 2 kHz}")],
