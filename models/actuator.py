@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from flint import fmpq, fmpq_poly
 
 from .impedance import DynamicStiffness
-from .rational import ONE, RationalFunction, S, Scalar, exact
+from .rational import ONE, ZERO, RationalFunction, S, Scalar, exact, ratio, value
+from .sampling import Held, Hold
 
 
 @dataclass(frozen=True)
@@ -18,9 +20,10 @@ class TwoPort:
     still counts for stability.
     """
 
-    h: fmpq_poly
-    z: fmpq_poly
-    d: fmpq_poly
+    h: Any  # polynomials of s, or their values somewhere
+    z: Any
+    d: Any
+    hold: Hold | None = None
 
     @classmethod
     def of(cls, H: RationalFunction, Z_a: RationalFunction) -> TwoPort:
@@ -28,15 +31,22 @@ class TwoPort:
         d = H.den * (Z_a.den // H.den.gcd(Z_a.den))
         return cls(H.num * (d // H.den), Z_a.num * (d // Z_a.den), d)
 
-    @property
-    def H(self) -> RationalFunction:
-        """Torque transfer with the output locked."""
-        return RationalFunction(self.h, self.d)
+    @classmethod
+    def given(cls, H: tuple[fmpq_poly, fmpq_poly], Z_a: tuple[fmpq_poly, fmpq_poly]) -> TwoPort:
+        """From numerators and denominators as they stand, over the product of the two (or the one, if they agree)."""
+        (h, d), (z, d_z) = H, Z_a
+        return cls(h, z, d) if d == d_z else cls(h * d_z, z * d, d * d_z)
 
     @property
-    def Z_a(self) -> RationalFunction:
+    def H(self) -> Any:
+        """Torque transfer with the output locked, the hold of a sampled controller included."""
+        H = ratio(self.h, self.d)
+        return H if self.hold is None else Held(ZERO, H, self.hold)
+
+    @property
+    def Z_a(self) -> Any:
         """Output impedance: torque per angle, with τ_d = 0."""
-        return RationalFunction(self.z, self.d)
+        return ratio(self.z, self.d)
 
     def A_cl(self, load: DynamicStiffness) -> RationalFunction:
         """`τ_sea/τ_d` on a free load, (15): `H G⁻¹/(G⁻¹ + Z_a)`."""
@@ -66,21 +76,25 @@ class SeriesElastic:
     J [kg·m²], b_m [N·m·s/rad], K_sp [N·m/rad], C_t and λ [-].
     """
 
-    J: fmpq
-    b_m: fmpq
-    K_sp: fmpq
+    J: Any  # exact numbers, or enclosures of uncertain ones
+    b_m: Any
+    K_sp: Any
     C_t: RationalFunction
     feedforward: fmpq
 
     @property
     def two_port(self) -> TwoPort:
         """`H = K_sp P_m (C_t+λ)/(1+K_sp P_m (1+C_t))`, `Z_a = K_sp/(1+K_sp P_m (1+C_t))`."""
-        n, d = self.C_t.num, self.C_t.den
-        motor = fmpq_poly([0, self.b_m, self.J])
+        return self.over(fmpq_poly([0, 1]))
+
+    def over(self, s: Any) -> TwoPort:
+        """The two-port at a value of s."""
+        n, d = value(self.C_t.num, s), value(self.C_t.den, s)
+        motor = s * s * self.J + s * self.b_m
         return TwoPort(
-            h=self.K_sp * (n + self.feedforward * d),
-            z=self.K_sp * motor * d,
-            d=motor * d + self.K_sp * (n + d),
+            h=(n + d * self.feedforward) * self.K_sp,
+            z=motor * d * self.K_sp,
+            d=motor * d + (n + d) * self.K_sp,
         )
 
 

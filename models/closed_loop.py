@@ -10,23 +10,23 @@ Derivation: the load obeys `G⁻¹θ = τ_int + τ_sea`, the actuator `τ_sea = 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-
-from flint import fmpq_poly
+from typing import Any
 
 from .actuator import IDEAL, TwoPort
 from .controller import Compensator, Filters
 from .impedance import DynamicStiffness, inverse_dynamic_compensation
-from .rational import RationalFunction
+from .rational import RationalFunction, S, ratio
+from .sampling import Closed
 
 
 @dataclass(frozen=True)
 class Pencil:
     """A characteristic polynomial, linear in the compensator: `on_den·C.den + on_num·C.num`."""
 
-    on_den: fmpq_poly
-    on_num: fmpq_poly
+    on_den: Any
+    on_num: Any
 
-    def __call__(self, C: Compensator) -> fmpq_poly:
+    def __call__(self, C: Compensator) -> Any:
         """The polynomial for one compensator."""
         return self.on_den * C.den + self.on_num * C.num
 
@@ -39,36 +39,48 @@ class ImpedanceLoop:
     nominal: DynamicStiffness
     desired: DynamicStiffness
     filters: Filters = field(default_factory=Filters)
+    s: Any = field(default=S, repr=False, compare=False)
 
     @property
-    def G_imp(self) -> RationalFunction:
+    def G_imp(self) -> Any:
         """Desired dynamic stiffness as the θ channel sees it: `G_imp·F_θ/F`."""
         return self.desired.rational * self.filters.ratio
 
     @property
-    def compensation(self) -> RationalFunction:
+    def compensation(self) -> Any:
         """`F_d (Ĝ⁻¹ − G_imp)`, (2)."""
         return self.filters.derivative * inverse_dynamic_compensation(self.nominal, self.desired)
 
-    def Z0(self, load: DynamicStiffness) -> RationalFunction:
+    def Z0(self, load: DynamicStiffness) -> Any:
         """`Z₀ = G⁻¹ + Z_a − H F_d (Ĝ⁻¹ − G_imp)`: what the port renders without force feedback."""
         return load.rational + self.actuator.Z_a - self.actuator.H * self.compensation
 
-    def L(self, C: Compensator) -> RationalFunction:
+    def L(self, C: Compensator) -> Any:
         """Loop gain `H C F`."""
         return self.actuator.H * C.rational * self.filters.force
 
-    def Q_tilde(self, C: Compensator) -> RationalFunction:
+    def Q_tilde(self, C: Compensator) -> Any:
         """`Q̃ = L/(1+L)`; disturbances are attenuated by `1−Q̃`. It does not depend on the load."""
-        L = self.L(C)
-        return L / (1 + L)
+        port, F = self.actuator, self.filters.force
+        if port.hold is not None:
+            return Closed(self.L(C))
+        closed = port.h * C.num * F.num
+        return ratio(closed, port.d * C.den * F.den + closed)
 
-    def Q_ideal(self, C: Compensator) -> RationalFunction:
+    def Q_ideal(self, C: Compensator) -> Any:
         """`CF/(1+CF)`: Q̃ behind an ideal actuator; the Q of (9), (12) and (18). Equals Q for an unfiltered DOB."""
-        CF = C.rational * self.filters.force
-        return CF / (1 + CF)
+        F = self.filters.force
+        return ratio(C.num * F.num, C.den * F.den + C.num * F.num)
 
-    def Z(self, C: Compensator, load: DynamicStiffness) -> RationalFunction:
+    def noise_gain(self, C: Compensator) -> Any:
+        """`CF/(1+HCF)`: command torque per noise of the torque sensor, output locked."""
+        port, F = self.actuator, self.filters.force
+        if port.hold is not None:
+            return Closed(self.L(C), C.rational * F)
+        command = C.num * F.num
+        return ratio(port.d * command, port.d * C.den * F.den + port.h * command)
+
+    def Z(self, C: Compensator, load: DynamicStiffness) -> Any:
         """Apparent impedance `τ_int/θ`, (★) [N·m/rad]."""
         X = self.Q_tilde(C)
         return X * self.G_imp + (1 - X) * self.Z0(load)
@@ -95,7 +107,7 @@ class ImpedanceLoop:
             F.den * F_theta.den * uncontrolled, F_theta.num * F.den * F_d.den * port.h * self.desired.polynomial
         )
 
-    def _filters_beside_force(self) -> fmpq_poly:
+    def _filters_beside_force(self) -> Any:
         rest = self.filters.derivative.den
         return rest if self.filters.position is None else rest * self.filters.position.den
 

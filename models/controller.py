@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from flint import fmpq_poly
 
-from .rational import ONE, RationalFunction, Scalar, exact, polynomial
+from .rational import ONE, RationalFunction, Scalar, exact, polynomial, ratio
 
 
 @dataclass(frozen=True)
@@ -16,25 +17,26 @@ class Compensator:
     Cancelling would hide a mode of the controller that stability has to account for.
     """
 
-    num: fmpq_poly
-    den: fmpq_poly
+    num: Any  # polynomials of s, or their values somewhere
+    den: Any
 
     @property
-    def rational(self) -> RationalFunction:
+    def rational(self) -> Any:
         """C(s) in lowest terms."""
-        return RationalFunction(self.num, self.den)
+        return ratio(self.num, self.den)
 
 
-def disturbance_observer(Q_num: fmpq_poly, Q_den: fmpq_poly) -> Compensator:
-    """`C = Q/(1−Q)`, (10). Raises ValueError when Q = 1 identically or Q is improper."""
-    if Q_num.degree() > Q_den.degree():
-        raise ValueError("Q must be proper: its numerator has the higher degree")
-    if Q_num == Q_den:
-        raise ValueError("Q = 1 identically: C = Q/(1−Q) does not exist")
+def disturbance_observer(Q_num: Any, Q_den: Any) -> Compensator:
+    """`C = Q/(1−Q)`, (10). Raises ValueError when Q is a polynomial pair that is 1 identically or improper."""
+    if isinstance(Q_num, fmpq_poly):
+        if Q_num.degree() > Q_den.degree():
+            raise ValueError("Q must be proper: its numerator has the higher degree")
+        if Q_num == Q_den:
+            raise ValueError("Q = 1 identically: C = Q/(1−Q) does not exist")
     return Compensator(Q_num, Q_den - Q_num)
 
 
-def dynamic_error_feedback(C_num: fmpq_poly, C_den: fmpq_poly) -> Compensator:
+def dynamic_error_feedback(C_num: Any, C_den: Any) -> Compensator:
     """`C = C_imp`, (20)."""
     return Compensator(C_num, C_den)
 

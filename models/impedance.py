@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 from flint import fmpq, fmpq_poly
 
@@ -13,9 +14,10 @@ from .rational import RationalFunction, Scalar, exact
 class DynamicStiffness:
     """`I s² + B s + K`, torque per angle: the load's `G⁻¹` of (1) or the desired `G_imp` of (2)."""
 
-    inertia: fmpq
-    damping: fmpq
-    stiffness: fmpq
+    inertia: Any  # exact numbers, or enclosures of uncertain ones
+    damping: Any
+    stiffness: Any
+    s: Any = field(default_factory=lambda: fmpq_poly([0, 1]), repr=False, compare=False)
 
     @classmethod
     def of(cls, inertia: Scalar, damping: Scalar, stiffness: Scalar) -> DynamicStiffness:
@@ -23,14 +25,14 @@ class DynamicStiffness:
         return cls(exact(inertia), exact(damping), exact(stiffness))
 
     @property
-    def polynomial(self) -> fmpq_poly:
+    def polynomial(self) -> Any:
         """`I s² + B s + K`."""
-        return fmpq_poly([self.stiffness, self.damping, self.inertia])
+        return self.s * self.s * self.inertia + self.s * self.damping + self.stiffness
 
     @property
-    def rational(self) -> RationalFunction:
+    def rational(self) -> Any:
         """The same as a rational function."""
-        return RationalFunction(self.polynomial, fmpq_poly([1]))
+        return RationalFunction.lift(self.polynomial)
 
 
 def inverse_dynamic_compensation(nominal: DynamicStiffness, desired: DynamicStiffness) -> RationalFunction:

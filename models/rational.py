@@ -82,9 +82,9 @@ class RationalFunction:
         return cls(polynomial(numerator), polynomial(denominator))
 
     @classmethod
-    def lift(cls, value: Operand) -> RationalFunction:
-        """A scalar or polynomial as a rational function."""
-        if isinstance(value, RationalFunction):
+    def lift(cls, value: Any) -> Any:
+        """A scalar or polynomial as a rational function; what has an arithmetic of its own stays what it is."""
+        if isinstance(value, RationalFunction) or not isinstance(value, OPERAND):
             return value
         return cls(value if isinstance(value, fmpq_poly) else fmpq_poly([exact(value)]), fmpq_poly([1]))
 
@@ -111,14 +111,20 @@ class RationalFunction:
         return response
 
     def __add__(self, other: Operand) -> RationalFunction:
+        if not isinstance(other, OPERAND):
+            return NotImplemented
         o = self.lift(other)
         return RationalFunction(self.num * o.den + o.num * self.den, self.den * o.den)
 
     def __mul__(self, other: Operand) -> RationalFunction:
+        if not isinstance(other, OPERAND):
+            return NotImplemented
         o = self.lift(other)
         return RationalFunction(self.num * o.num, self.den * o.den)
 
     def __truediv__(self, other: Operand) -> RationalFunction:
+        if not isinstance(other, OPERAND):
+            return NotImplemented
         o = self.lift(other)
         return RationalFunction(self.num * o.den, self.den * o.num)
 
@@ -126,6 +132,8 @@ class RationalFunction:
         return RationalFunction(-self.num, self.den)
 
     def __sub__(self, other: Operand) -> RationalFunction:
+        if not isinstance(other, OPERAND):
+            return NotImplemented
         return self + (-self.lift(other))
 
     def __radd__(self, other: Operand) -> RationalFunction:
@@ -168,6 +176,18 @@ def at_infinity(r: RationalFunction) -> fmpq | None:
 
 
 Operand = RationalFunction | fmpq_poly | Scalar
+OPERAND = (RationalFunction, fmpq_poly, fmpq, Rational, int, float, str)  # anything else brings its own arithmetic
+
+
+def ratio(num: Any, den: Any) -> Any:
+    """`num/den`: of polynomials a rational function, of values of polynomials their quotient."""
+    return RationalFunction(num, den) if isinstance(num, fmpq_poly) else num / den
+
+
+def value(poly: fmpq_poly, s: Any) -> Any:
+    """A polynomial at s: itself where s is the polynomial s, by the arithmetic of s where s is a value of its own."""
+    return poly if isinstance(s, fmpq_poly) else s.polynomial(poly)
+
 
 ONE = RationalFunction(fmpq_poly([1]), fmpq_poly([1]))
 ZERO = RationalFunction(fmpq_poly([0]), fmpq_poly([1]))

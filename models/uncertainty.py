@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from flint import fmpq
 
 from .impedance import DynamicStiffness, LoadBox
 from .rational import RationalFunction, to_float
@@ -22,16 +23,53 @@ def Omega(nominal: DynamicStiffness, desired: DynamicStiffness) -> RationalFunct
 
 
 @dataclass(frozen=True)
+class Table:
+    """Bound on |Δ| between points, linear in ω; beyond the first and the last, their values hold."""
+
+    omega: tuple[fmpq, ...]
+    bound: tuple[fmpq, ...]
+
+    def __call__(self, omega: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values. omega: (n,) [rad/s]. Returns (n,)."""
+        return np.interp(omega, *self._floats)
+
+    def extremes(
+        self, low: NDArray[np.float64], high: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Least and greatest value on each interval [low, high]. (n,) each."""
+        points, values = self._floats
+        ends = np.array([self(low), self(high)])
+        inside = (points > low[:, None]) & (points < high[:, None])
+        least = np.minimum(ends.min(axis=0), np.where(inside, values, np.inf).min(axis=1))
+        return least, np.maximum(ends.max(axis=0), np.where(inside, values, -np.inf).max(axis=1))
+
+    def straight(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Whether the bound is linear on each interval. (n,)."""
+        points, _ = self._floats
+        return ~((points > low[:, None]) & (points < high[:, None])).any(axis=1)
+
+    @property
+    def _floats(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return np.array([to_float(w) for w in self.omega]), np.array([to_float(b) for b in self.bound])
+
+
+@dataclass(frozen=True)
 class Uncertainty:
-    """What is known of the true load. `box` and `weight` combine as `G = G_box(1+Δ_w)`, `|Δ_w| ≤ |weight|`."""
+    """What is known of the true load: `G = G_box(1+Δ_w)(1+Δ_t)`, `|Δ_w| ≤ |weight|`, `|Δ_t| ≤ table`."""
 
     nominal: DynamicStiffness
     box: LoadBox | None = None
     weight: RationalFunction | None = None
+    table: Table | None = None
 
     def __post_init__(self) -> None:
         if self.box is not None and not self.box.contains(self.nominal):
             raise ValueError("the box of loads does not contain the nominal load")
+
+    @property
+    def disc(self) -> bool:
+        """Whether a disc lies on top of every load."""
+        return self.weight is not None or self.table is not None
 
     def corners(self) -> tuple[DynamicStiffness, ...]:
         """Loads that decide whatever is affine in `G⁻¹`; the nominal load when there is no box."""
@@ -75,16 +113,16 @@ class Uncertainty:
                 radius = np.maximum(radius, np.where(np.isnan(value), np.inf, value))
         return radius
 
-    def weight_radius(self, omega: NDArray[np.float64]) -> NDArray[np.float64]:
-        """`|W(jω)|` of the rational weight; zeros without one. omega: (n,) [rad/s]."""
-        if self.weight is None:
-            return np.zeros_like(omega)
-        return np.abs(self.weight.at(omega))
+    def disc_radius(self, omega: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Radius V of the disc on top of every load, `1 + V = (1+|weight|)(1+table)`. omega: (n,) [rad/s]."""
+        weight = np.zeros_like(omega) if self.weight is None else np.abs(self.weight.at(omega))
+        table = np.zeros_like(omega) if self.table is None else self.table(omega)
+        return weight + table + weight * table
 
     def radius(self, omega: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Radius W(ω) of the smallest disc around 0 that is known to hold Δ(jω): `W_b + W_w + W_b W_w`."""
-        box, weight = self.box_radius(omega), self.weight_radius(omega)
-        return box + weight + box * weight
+        """Radius W(ω) of the smallest disc around 0 that is known to hold Δ(jω): `W_b + V + W_b V`."""
+        box, disc = self.box_radius(omega), self.disc_radius(omega)
+        return box + disc + box * disc
 
 
 def _at(load: DynamicStiffness, s: NDArray[Any]) -> NDArray[Any]:

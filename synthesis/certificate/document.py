@@ -9,7 +9,7 @@ from typing import Any
 from ...models.actuator import IDEAL
 from ...models.controller import Compensator
 from ...models.rational import descending, fraction
-from ..problem.setting import Setting
+from ..problem.setting import ACTUATOR, LOAD, Setting
 from ..spec import canonical, canonical_json, number_text, spec_sha256
 from ..spec.model import Polynomials
 from .claim import Claim, Refutation
@@ -90,14 +90,29 @@ def _claim(claim: Claim) -> dict[str, Any]:
 
 def _refutation(refutation: Refutation) -> dict[str, Any]:
     witness = refutation.witness
-    omega = load = None
-    if witness is not None:
-        omega = "inf" if witness.omega is None else number_text(witness.omega)
-        if witness.load is not None:
-            load = {
-                name: number_text(fraction(getattr(witness.load, name))) for name in ("inertia", "damping", "stiffness")
-            }
-    return {"value": number_text(refutation.value), "omega": omega, "load": load}
+    if witness is None:
+        return {"value": number_text(refutation.value), "omega": None, "load": None}
+    written: dict[str, Any] = {
+        "value": number_text(refutation.value),
+        "omega": "inf" if witness.omega is None else number_text(witness.omega),
+        "load": _numbers(witness.load, {name: name for name in LOAD}),
+    }
+    if witness.impedance is not None:
+        written["impedance"] = _numbers(witness.impedance, {name: name for name in LOAD})
+    if witness.actuator is not None:
+        written["actuator"] = _numbers(witness.actuator, ACTUATOR)
+    if witness.controller is not None:
+        written["controller"] = _polynomials(witness.controller.numerator, witness.controller.denominator)
+    if witness.claim is not None:
+        written["claim"] = list(witness.claim)
+    return written
+
+
+def _numbers(values: object, names: dict[str, str]) -> dict[str, str] | None:
+    """Exact texts of an object's numbers by their names in a specification."""
+    if values is None:
+        return None
+    return {name: number_text(fraction(getattr(values, attribute))) for name, attribute in names.items()}
 
 
 def robustly_stable(setting: Setting, claims: tuple[Claim, ...]) -> bool:

@@ -18,7 +18,7 @@ from flint import fmpq, fmpq_poly
 from ...models.impedance import DynamicStiffness
 from ...models.rational import ZERO, RationalFunction
 from ...models.uncertainty import Segment, Uncertainty
-from ..problem.constraints.inequality import Gain, Inequality, Role, Source, Term
+from ..problem.constraints.inequality import Gain, Inequality, Role, Source, Term, needs_disc
 from .bivariate import Bivariate, degree, shift, times, valuation
 
 ONE = fmpq_poly([1])
@@ -69,18 +69,13 @@ def lower(inequality: Inequality, v: fmpq, X: RationalFunction, uncertainty: Unc
         return
     scale = v * v if inequality.role is Role.RADIUS else fmpq(1)
     for segment, ratios in _radii(inequality, uncertainty):
-        if _needs_disc(inequality):
+        if needs_disc(inequality):
             ((N, M),) = ratios
             N = tuple(scale * c for c in N)
             yield SumOfRoots((N,), M, True, segment, strict=True)
             yield _with_disc(inequality, v, X, N[0], M[0], segment)
         else:
             yield _with_radius(inequality, scale, X, ratios, segment)
-
-
-def _needs_disc(inequality: Inequality) -> bool:
-    terms = inequality.moduli + inequality.reals
-    return any(term.gain in (Gain.R, Gain.RHO) or term.shift is not None for term in terms)
 
 
 def _radii(
@@ -90,13 +85,13 @@ def _radii(
     weight = None
     if uncertainty.weight is not None:
         weight = ((abs2(uncertainty.weight.num),), (abs2(uncertainty.weight.den),))
-    if inequality.source is Source.WEIGHT or uncertainty.box is None:
+    if inequality.source is Source.DISC or uncertainty.box is None:
         load = inequality.load
         yield (None if load is None else (load, load)), (weight or NO_RADIUS,)
         return
     # Gains of Δ/(1+Δ) need W < 1, where the corners alone decide; the edge matters only beyond.
     points = tuple((load, load) for load in uncertainty.corners())
-    for segment in points if _needs_disc(inequality) else uncertainty.segments():
+    for segment in points if needs_disc(inequality) else uncertainty.segments():
         box = _load_ratio(uncertainty.nominal, segment)
         yield segment, (box,) if weight is None else (box, weight)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 
@@ -30,10 +31,9 @@ class Subject:
     compensator: Compensator
 
     @property
-    def variables(self) -> dict[Variable, RationalFunction]:
-        """Q, Q̃ and L as exact functions of s."""
-        loop, C = self.setting.loop, self.compensator
-        return {Variable.Q: loop.Q_ideal(C), Variable.Q_TILDE: loop.Q_tilde(C), Variable.L: loop.L(C)}
+    def variables(self) -> dict[Variable, Any]:
+        """Q, Q̃, L and the noise gain as exact functions of s."""
+        return self.setting.variables(self.compensator)
 
 
 @dataclass(frozen=True)

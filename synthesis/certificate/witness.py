@@ -10,8 +10,10 @@ from math import isqrt
 
 from flint import arb, ctx, fmpq, fmpq_poly
 
+from ...models.actuator import SeriesElastic
 from ...models.impedance import DynamicStiffness
 from ...models.rational import exact, fraction
+from ..spec.model import Polynomials
 from .bivariate import Bivariate
 from .cells import gap, reversed_sides
 from .lowering import SumOfRoots, strip
@@ -24,10 +26,18 @@ T_SAMPLES = 16
 
 @dataclass(frozen=True)
 class Witness:
-    """An exact frequency [rad/s] (None: ∞) and the load, if any, at which a claim fails."""
+    """An exact frequency [rad/s] (None: ∞) and the load, if any, at which a claim fails.
+
+    Where these are a range: the impedance and actuator; for a tolerance, the controller (numerator and denominator of Q
+    or C_imp) and the claim that fails for it.
+    """
 
     omega: Fraction | None
     load: DynamicStiffness | None
+    impedance: DynamicStiffness | None = None
+    actuator: SeriesElastic | None = None
+    controller: Polynomials | None = None
+    claim: tuple[str, str] | None = None
 
 
 def short(value: float, digits: int = 6, up: bool | None = None) -> Fraction:

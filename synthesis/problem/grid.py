@@ -70,7 +70,7 @@ class Evaluator:
         uncertainty = self.setting.uncertainty
         if source is Source.LUMPED:
             return uncertainty.radius(self.omega)
-        return uncertainty.weight_radius(self.omega)
+        return uncertainty.disc_radius(self.omega)
 
     def slack(self, inequality: Inequality, v: float, X: dict[Variable, RationalFunction]) -> NDArray[np.float64]:
         """Right minus left side, relative to the scale of both at each ω; positive where it holds. Returns (n,)."""

@@ -150,7 +150,12 @@ class Program:
         loop = self.setting.loop
         CF = num / den * at(loop.filters.force)
         L = CF * at(loop.actuator.H)
-        return {Variable.Q: CF / (1.0 + CF), Variable.Q_TILDE: L / (1.0 + L), Variable.L: L}
+        return {
+            Variable.Q: CF / (1.0 + CF),
+            Variable.Q_TILDE: L / (1.0 + L),
+            Variable.L: L,
+            Variable.COMMAND: CF / (1.0 + L),
+        }
 
     def _on_grid(self, constraint: Constraint, inequality: Inequality) -> Any:
         """Slack on the fixed grid, inside the constraint's own band, relative to the size of the right side."""
@@ -177,7 +182,7 @@ class Program:
         def at(r: RationalFunction) -> Any:
             return r(s)
 
-        W = abs(at(self.setting.uncertainty.weight)) if inequality.source is Source.WEIGHT else 0.0  # type: ignore[arg-type]
+        W = abs(at(self.setting.uncertainty.weight)) if inequality.source is Source.DISC else 0.0  # type: ignore[arg-type]
         left, right = inequality.sides(float(constraint.level or 0), W, self._variables(s, at)[inequality.variable], at)
         return 1.0 - left / right
 

@@ -50,7 +50,7 @@ def test_grid_is_increasing_positive_and_wide() -> None:
 def test_radius_is_that_of_the_source(rng, omega) -> None:
     joint = setting(uncertainty=f"{{box: {{inertia: ±20 %, damping: ±40 %, stiffness: [0, 0]}}, weight: {WEIGHT}}}")
     w, evaluator = Joint(joint, C, omega), Evaluator(joint, omega)
-    np.testing.assert_allclose(evaluator.radius(Source.WEIGHT), w.weight, rtol=1e-9)
+    np.testing.assert_allclose(evaluator.radius(Source.DISC), w.weight, rtol=1e-9)
     np.testing.assert_allclose(evaluator.radius(Source.LUMPED), w.W, rtol=1e-9)
     assert np.all(w.weight < w.W)
 
@@ -100,6 +100,6 @@ def test_what_is_not_a_number_counts_as_worst() -> None:
     assert clear.worst(constraint, 10.0, variables(joint, C))[0] > 0
 
 
-@pytest.mark.parametrize("source", [Source.NONE, Source.WEIGHT])
+@pytest.mark.parametrize("source", [Source.NONE, Source.DISC])
 def test_without_a_weight_its_radius_is_zero(source: Source) -> None:
     assert np.all(Evaluator(setting(), np.array([1.0, 10.0])).radius(source) == 0)

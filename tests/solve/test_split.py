@@ -135,7 +135,7 @@ def setting(variant: str) -> Setting:
 
 def views(joint: Setting, inequality: Inequality, X: np.ndarray, omega: np.ndarray) -> list[np.ndarray]:
     """Right minus left side through NumPy, CasADi and cvxpy."""
-    radius = joint.uncertainty.radius if inequality.source is Source.LUMPED else joint.uncertainty.weight_radius
+    radius = joint.uncertainty.radius if inequality.source is Source.LUMPED else joint.uncertainty.disc_radius
     W, slacks = radius(omega), []
     for value in (X, casadi_split(X), cvxpy_split(X)):
         left, right = inequality.sides(1.25, W, value, lambda r: r.at(omega))

@@ -14,7 +14,6 @@ from __future__ import annotations
 from fractions import Fraction
 
 from ....models.impedance import DynamicStiffness
-from ....models.rational import S
 from ..setting import Setting
 from .inequality import ONE_MINUS_X, Affine, Constraint, Gain, Inequality, Role, Source, Term, Variable, X
 
@@ -28,7 +27,7 @@ def eq12(setting: Setting) -> tuple[Constraint, ...]:
     band = (Fraction(0), None) if asked.band is None else asked.band
     if asked.form == "paper":
         return (_paper(setting, level, band),)
-    both = setting.uncertainty.box is not None and setting.uncertainty.weight is not None
+    both = setting.uncertainty.box is not None and setting.uncertainty.disc
     passive = _disc(setting, level, band) if asked.form == "disc" else _structured(setting, level, band)
     return (passive,) if both else (passive, _paper(setting, None, band))
 
@@ -39,8 +38,8 @@ def _paper(setting: Setting, level: Fraction | None, band: tuple[Fraction, Fract
     inequality = Inequality(
         variable=Variable.Q,
         role=Role.RADIUS,
-        moduli=(Term(Affine.of(S - G_imp)), Term(ONE_MINUS_X * (2 * nominal), Gain.R)),
-        right=Affine.of(S + G_imp),
+        moduli=(Term(Affine.of(loop.s - G_imp)), Term(ONE_MINUS_X * (2 * nominal), Gain.R)),
+        right=Affine.of(loop.s + G_imp),
         modulus_right=True,
         source=Source.LUMPED,
     )
@@ -60,14 +59,14 @@ def _paper(setting: Setting, level: Fraction | None, band: tuple[Fraction, Fract
 
 def _passive(setting: Setting, load: DynamicStiffness, source: Source) -> Inequality:
     loop = setting.loop
-    residual = ONE_MINUS_X * (load.rational / S)
+    residual = ONE_MINUS_X * (load.rational / loop.s)
     disc = source is not Source.NONE
     return Inequality(
         variable=Variable.Q_TILDE,
         role=Role.FLOOR,
         moduli=(Term(residual, Gain.RHO),) if disc else (),
         reals=(Term(Affine.of(0), shift=residual),) if disc else (),
-        right=X * (loop.G_imp / S) + ONE_MINUS_X * (loop.Z0(load) / S),
+        right=X * (loop.G_imp / loop.s) + ONE_MINUS_X * (loop.Z0(load) / loop.s),
         modulus_right=False,
         source=source,
         load=load,
@@ -91,13 +90,13 @@ def _disc(setting: Setting, level: Fraction, band: tuple[Fraction, Fraction | No
 
 
 def _structured(setting: Setting, level: Fraction, band: tuple[Fraction, Fraction | None]) -> Constraint:
-    source = Source.NONE if setting.uncertainty.weight is None else Source.WEIGHT
+    source = Source.DISC if setting.uncertainty.disc else Source.NONE
     return Constraint(
         id="eq12",
         equation="(12)",
         form="structured",
         statement="Re(Z/jω) ≥ v for every load: with stability-locked, a passive port with v to spare",
-        uncertainty="every load of the box" + ("" if source is Source.NONE else ", each with the disc of the weight"),
+        uncertainty="every load of the box" + ("" if source is Source.NONE else ", each with a disc on top"),
         inequalities=tuple(_passive(setting, load, source) for load in setting.uncertainty.corners()),
         level=level,
         band=band,

@@ -10,26 +10,25 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from ....models.rational import S
 from ..setting import Setting
 from .inequality import Affine, Constraint, Gain, Inequality, Role, Source, Term, Variable, X
 
 
 def friction(setting: Setting) -> tuple[Constraint, ...]:
     """Reported always, required on request."""
-    loop, weighted = setting.loop, setting.uncertainty.weight is not None
+    loop, weighted = setting.loop, setting.uncertainty.disc
     inequalities = []
     for load in setting.uncertainty.corners():
-        own = Affine.of(load.rational / S)
+        own = Affine.of(load.rational / loop.s)
         inequalities.append(
             Inequality(
                 variable=Variable.L,
                 role=Role.FLOOR,
                 moduli=(Term(own, Gain.RHO),) if weighted else (),
                 reals=(Term(Affine.of(0), shift=own),) if weighted else (),
-                right=X * (loop.G_imp / S) + Affine.of(loop.Z0(load) / S),
+                right=X * (loop.G_imp / loop.s) + Affine.of(loop.Z0(load) / loop.s),
                 modulus_right=False,
-                source=Source.WEIGHT if weighted else Source.NONE,
+                source=Source.DISC if weighted else Source.NONE,
                 load=load,
             )
         )
@@ -39,7 +38,7 @@ def friction(setting: Setting) -> tuple[Constraint, ...]:
             equation="beyond the paper",
             form="strictly-positive-real",
             statement="Re((L·G_imp + Z₀)/jω) ≥ v > 0 for every load: Coulomb friction cannot sustain an oscillation",
-            uncertainty="every load of the box" + (", each with the disc of the weight" if weighted else ""),
+            uncertainty="every load of the box" + (", each with a disc on top" if weighted else ""),
             inequalities=tuple(inequalities),
             level=Fraction(0) if setting.spec.constraints.friction == "require" else None,
             strict=True,

@@ -18,15 +18,8 @@ from typing import Any
 import numpy as np
 
 from ....models.impedance import DynamicStiffness
-from ....models.rational import ONE, ZERO, Operand, RationalFunction
-
-
-class Variable(Enum):
-    """What X stands for."""
-
-    Q = "Q"  # Q̃ behind an ideal actuator: the Q of the paper's (9), (12), (18)
-    Q_TILDE = "Q̃"  # complementary sensitivity of the physical loop, (★)
-    L = "L"  # loop gain HCF
+from ....models.rational import ONE, ZERO, RationalFunction
+from ..variable import Variable
 
 
 class Gain(Enum):
@@ -52,6 +45,8 @@ def centre(W: Any) -> Any:
 
 
 def _unbounded_beyond_one(W: Any, limit: float, ratio: Callable[[Any], Any]) -> Any:
+    if hasattr(W, "where_below_one"):  # an enclosure
+        return W.where_below_one(ratio(W))
     if not isinstance(W, np.ndarray):
         return ratio(W)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -62,8 +57,8 @@ class Source(Enum):
     """Which Δ the gains speak of."""
 
     NONE = "none"
-    WEIGHT = "weight"  # the rational weight alone; the box is handled at its corners
-    LUMPED = "lumped"  # box and weight in one disc, W = W_b + W_w + W_b W_w
+    DISC = "disc"  # weight and table alone, V; the box is handled at its corners
+    LUMPED = "lumped"  # all in one disc, W = W_b + V + W_b V
 
 
 class Role(Enum):
@@ -83,22 +78,22 @@ class Role(Enum):
 class Affine:
     """`constant + slope·X`."""
 
-    constant: RationalFunction
-    slope: RationalFunction
+    constant: Any  # rational functions, or enclosures of their values
+    slope: Any
 
     @classmethod
-    def of(cls, constant: Operand, slope: Operand = ZERO) -> Affine:
+    def of(cls, constant: Any, slope: Any = ZERO) -> Affine:
         """From anything a rational function can be made of."""
         return cls(RationalFunction.lift(constant), RationalFunction.lift(slope))
 
-    def __call__(self, X: RationalFunction) -> RationalFunction:
+    def __call__(self, X: RationalFunction) -> Any:
         """The exact value for one X(s)."""
         return self.constant + self.slope * X
 
     def __add__(self, other: Affine) -> Affine:
         return Affine(self.constant + other.constant, self.slope + other.slope)
 
-    def __mul__(self, factor: Operand) -> Affine:
+    def __mul__(self, factor: Any) -> Affine:
         return Affine(self.constant * factor, self.slope * factor)
 
 
@@ -154,6 +149,12 @@ class Inequality:
                 left = left + part(inside if term.gain is Gain.ONE else inside * term.gain.of(W))
         right = abs(value(self.right)) if self.modulus_right else value(self.right).real
         return left, v * right if self.role is Role.CEILING else right
+
+
+def needs_disc(inequality: Inequality) -> bool:
+    """Whether its gains are those of Δ/(1+Δ), which mean something only where W < 1."""
+    terms = inequality.moduli + inequality.reals
+    return any(term.gain in (Gain.R, Gain.RHO) or term.shift is not None for term in terms)
 
 
 @dataclass(frozen=True)

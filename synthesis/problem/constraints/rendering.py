@@ -11,7 +11,7 @@ from .inequality import ONE_MINUS_X, Affine, Constraint, Gain, Inequality, Role,
 
 def rendering(setting: Setting) -> tuple[Constraint, ...]:
     """Relative rendering error: required when the objective names one, reported otherwise."""
-    loop, weighted = setting.loop, setting.uncertainty.weight is not None
+    loop, weighted = setting.loop, setting.uncertainty.disc
     wish = loop.desired.rational
     inequalities = []
     for load in setting.uncertainty.corners():
@@ -26,7 +26,7 @@ def rendering(setting: Setting) -> tuple[Constraint, ...]:
                 moduli=(error, unmodelled) if weighted else (error,),
                 right=Affine.of(wish),
                 modulus_right=True,
-                source=Source.WEIGHT if weighted else Source.NONE,
+                source=Source.DISC if weighted else Source.NONE,
                 load=load,
             )
         )
@@ -36,7 +36,7 @@ def rendering(setting: Setting) -> tuple[Constraint, ...]:
             equation="(★)",
             form="every-load",
             statement="|Z − G_imp| ≤ v·|G_imp| on [0, ω_B], for every load",
-            uncertainty="every load of the box" + (", each with the disc of the weight" if weighted else ""),
+            uncertainty="every load of the box" + (", each with a disc on top" if weighted else ""),
             inequalities=tuple(inequalities),
             level=setting.spec.objective.rendering_error,
             on_band=True,

@@ -1,0 +1,157 @@
+"""Real affine forms on many cells at once: `z^order·(c₀ + Σ cᵢ tᵢ ± ρ)` for every |tᵢ| ≤ 1, z the cell's own variable.
+
+t₀ is the frequency, the others are uncertain parameters. Every operation is exact to first order; what is left out, and
+every rounding of a double, goes into ρ. What is not finite says nothing: nothing is proven with it, and callers compute
+under `np.errstate(all="ignore")`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from flint import fmpq
+
+from ....models.rational import to_float
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+ROUNDING = 2.0**-49  # of one operation on forms, relative to the sizes that meet in it
+SUMS = 1 + 1e-13  # what adding up to 50 sizes in doubles can lose
+TINY = 1e-290  # what underflow can lose
+Number = int | float | Fraction | fmpq
+
+
+def nearest(value: Number) -> tuple[float, float]:
+    """The nearest double and a bound on its distance."""
+    if isinstance(value, int) and abs(value) < 2**53:
+        return float(value), 0.0
+    double = to_float(value) if isinstance(value, fmpq) else float(value)
+    return double, abs(double) * 2.0**-52 + TINY
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """A real quantity on n cells. c: (1+m, n), rho: (n,) ≥ 0, z: the form of the cell's variable (ends only)."""
+
+    c: NDArray[np.float64]
+    rho: NDArray[np.float64]
+    order: int = 0
+    z: Form | None = None
+
+    __array_ufunc__ = None
+
+    @property
+    def spread(self) -> NDArray[np.float64]:
+        """`Σ |cᵢ| + ρ`: how far from c₀ the quantity can be, without z^order. (n,)."""
+        return np.asarray((np.abs(self.c[1:]).sum(axis=0) + self.rho) * SUMS)
+
+    @property
+    def lower(self) -> NDArray[np.float64]:
+        """Lower bound of the form without z^order, which is positive. (n,)."""
+        return np.asarray(self.c[0] - self.spread - ROUNDING * np.abs(self.c[0]))
+
+    @property
+    def upper(self) -> NDArray[np.float64]:
+        """Upper bound of the form without z^order. (n,)."""
+        return np.asarray(self.c[0] + self.spread + ROUNDING * np.abs(self.c[0]))
+
+    def _like(self, c: NDArray[np.float64], rho: NDArray[np.float64], order: int | None = None) -> Form:
+        return Form(c, rho * SUMS + TINY, self.order if order is None else order, self.z)
+
+    def constant(self, value: Number) -> Form:
+        """A number on the same cells."""
+        double, error = nearest(value)
+        c = np.zeros_like(self.c)
+        c[0] = double
+        return Form(c, np.full_like(self.rho, error), 0, self.z)
+
+    def shifted(self, order: int) -> Form:
+        """The same quantity with a lower order: z^k is multiplied into the form."""
+        form = self
+        for _ in range(self.order - order):
+            assert self.z is not None
+            form = form._like(*_product(form, self.z))
+        return Form(form.c, form.rho, order, self.z)
+
+    def __add__(self, other: Any) -> Form:
+        if not isinstance(other, Form):
+            return (
+                NotImplemented if not isinstance(other, Number) else self if other == 0 else self + self.constant(other)
+            )
+        order = min(self.order, other.order)
+        a, b = self.shifted(order), other.shifted(order)
+        sizes = np.abs(a.c[0]) + a.spread + np.abs(b.c[0]) + b.spread
+        return self._like(a.c + b.c, a.rho + b.rho + ROUNDING * sizes, order)
+
+    def __mul__(self, other: Any) -> Form:
+        if isinstance(other, Form):
+            return self._like(*_product(self, other), self.order + other.order)
+        if not isinstance(other, Number):
+            return NotImplemented
+        k, error = nearest(other)
+        size = np.abs(self.c[0]) + self.spread
+        return self._like(k * self.c, abs(k) * self.rho + (error + ROUNDING * abs(k)) * size)
+
+    def __neg__(self) -> Form:
+        return Form(-self.c, self.rho, self.order, self.z)
+
+    def __sub__(self, other: Any) -> Form:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> Form:
+        return -self + other
+
+    def __truediv__(self, other: Any) -> Form:
+        return self * other.inverse()
+
+    def __pow__(self, n: int) -> Form:
+        assert n == 2
+        return self * self
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def inverse(self) -> Form:
+        """`1/(c₀+δ) = 1/c₀ − δ/c₀² + δ²/(c₀²(c₀+δ))`; nothing is known where 0 is not excluded."""
+        c0, R = self.c[0], self.spread
+        near = np.abs(c0) - R - ROUNDING * np.abs(c0)
+        rest = R**2 / (c0**2 * near) / 2
+        c = -self.c / c0**2
+        c[0] = 1 / c0 + np.sign(c0) * rest
+        rho = self.rho / c0**2 + rest + ROUNDING * (1 / np.abs(c0) + R / c0**2 + rest)
+        return self._like(c, np.where(near > 0, rho, np.inf), -self.order)
+
+    def sqrt(self) -> Form:
+        """`√(c₀+δ) = √c₀ + δ/(2√c₀) − ε`, `0 ≤ ε ≤ δ²/(8 low^{3/2})`; where 0 is not excluded, [0, √high]."""
+        even = self if self.order % 2 == 0 else self.shifted(self.order - 1)
+        c0, R = even.c[0], even.spread
+        low, high = c0 - R - ROUNDING * np.abs(c0), np.maximum(even.upper, 0.0)
+        root, rest = np.sqrt(np.abs(c0)), R**2 / (8 * np.maximum(low, 0.0) ** 1.5) / 2
+        c = even.c / (2 * root)
+        c[0] = root - rest
+        rho = even.rho / (2 * root) + rest + ROUNDING * (root + R / root + rest)
+        wide = ~((low > 0) & (rest < np.sqrt(high) / 2))
+        c = np.where(wide, 0.0, c)
+        c[0] = np.where(wide, np.sqrt(high) / 2, c[0])
+        return even._like(c, np.where(wide, np.sqrt(high) * (0.5 + ROUNDING), rho), even.order // 2)
+
+    def where_below_one(self, value: Form) -> Form:
+        """A value that means something only where this form is certainly below 1."""
+        bounded = self.shifted(min(self.order, 0))
+        sure = (bounded.upper < 1) & (bounded.order == 0)
+        return Form(value.c, np.where(sure, value.rho, np.inf), value.order, value.z)
+
+
+def _product(a: Form, b: Form) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Coefficients and ρ of a product; tᵢ² lies in [0, 1], which halves its share."""
+    a0, b0, a_t, b_t = a.c[0], b.c[0], a.c[1:], b.c[1:]
+    c = a0 * b.c + b0 * a.c
+    squares = a_t * b_t
+    c[0] = a0 * b0 + squares.sum(axis=0) / 2
+    A, B = np.abs(a_t).sum(axis=0), np.abs(b_t).sum(axis=0)
+    a_size, b_size = np.abs(a0) + A, np.abs(b0) + B
+    rho = A * B - np.abs(squares).sum(axis=0) / 2 + a_size * b.rho + (b_size + b.rho) * a.rho
+    return c, rho + ROUNDING * a_size * b_size

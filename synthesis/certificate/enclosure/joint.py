@@ -1,0 +1,220 @@
+"""The joint on cells: the same models and constraints, with enclosures where the exact prover has polynomials."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_poly
+
+from ....models.controller import Compensator
+from ....models.impedance import DynamicStiffness
+from ....models.rational import exact
+from ....models.uncertainty import Segment, Table
+from ...problem.constraints.inequality import Gain, Inequality, Role, Source, Variable, needs_disc
+from ...problem.setting import ACTUATOR, LOAD, Setting
+from .cells import Cells, Part
+from .form import Form
+from .wave import Wave
+
+Range = tuple[fmpq, fmpq]
+EDGE = "edge"
+
+
+@dataclass(frozen=True)
+class Family:
+    """One controller on every joint of a setting: the uncertain parameters, in the order of the cells' own.
+
+    spread: factor on every parameter interval about its nominal value (robust stability asks how large it may be).
+    tolerance: relative perturbation of the controller's coefficients, each on its own. numerator, denominator:
+    of Q or C_imp, ascending.
+    """
+
+    setting: Setting
+    numerator: fmpq_poly
+    denominator: fmpq_poly
+    spread: Fraction = Fraction(1)
+    tolerance: Fraction = Fraction(0)
+    loads: bool = False  # whether loads are parameters (stability), or the corners of the box are taken in turn
+    single: bool = False  # one joint: the setting's own impedance and actuator, and this load, or the nominal one
+    load: DynamicStiffness | None = None
+
+    @cached_property
+    def parameters(self) -> dict[str, Range]:
+        """Name and range of every parameter that is not a single number."""
+        if self.single:
+            return {}
+        found = {f"impedance.{k}": self._scaled(v) for k, v in self.setting.impedances.items()}
+        found |= {f"actuator.{k}": self._scaled(v) for k, v in self.setting.actuators.items()}
+        box = self.setting.uncertainty.box
+        if self.loads and box is not None:
+            nominal = self.setting.loop.nominal
+            found |= {f"load.{k}": self._scaled((*getattr(box, k), getattr(nominal, k))) for k in LOAD}
+        elif box is not None and len(self.setting.uncertainty.segments()) > len(self.setting.uncertainty.corners()):
+            found[EDGE] = (fmpq(0), fmpq(1))
+        for part, p in (("numerator", self.numerator), ("denominator", self.denominator)):
+            for k, c in enumerate(p.coeffs()):
+                reach = abs(c) * exact(self.tolerance)
+                found[f"{part}.{k}"] = (c - reach, c + reach)
+        return {name: ends for name, ends in found.items() if ends[0] < ends[1]}
+
+    def _scaled(self, interval: tuple[fmpq, fmpq, fmpq]) -> Range:
+        low, high, middle = interval
+        v = exact(self.spread)
+        return middle - v * (middle - low), middle + v * (high - middle)
+
+    def point(self, cells: Cells, k: int) -> dict[str, Fraction]:
+        """Exact values of the parameters at the k-th (degenerate) cell."""
+        values = {}
+        for index, (name, (low, high)) in enumerate(self.parameters.items()):
+            share = exact(float(cells.t[0, index, k]))
+            value = (low + high) / 2 + (high - low) / 2 * share
+            values[name] = Fraction(int(value.p), int(value.q))
+        return values
+
+
+@dataclass(frozen=True, eq=False)
+class JointOnCells:
+    """Everything the constraints need, on one set of cells."""
+
+    family: Family
+    cells: Cells
+    _names: list[str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_names", list(self.family.parameters))
+
+    def _number(self, name: str, otherwise: Any) -> Any:
+        if name not in self.family.parameters:
+            return otherwise
+        return self.cells.parameter(self._names.index(name), *self.family.parameters[name])
+
+    @cached_property
+    def s(self) -> Wave:
+        """`s = jω`."""
+        return self.cells.s
+
+    @cached_property
+    def setting(self) -> Setting:
+        """The setting with its actuator and desired impedance on the cells; loads and filters stay exact."""
+        exact_loop, s = self.family.setting.loop, self.s
+        desired = DynamicStiffness(*(self._number(f"impedance.{k}", getattr(exact_loop.desired, k)) for k in LOAD), s=s)
+        elastic = self.family.setting.elastic
+        if elastic is None:
+            port = exact_loop.actuator
+            values = [s.polynomial(p) for p in (port.h, port.z, port.d)]
+            port = replace(port, h=values[0], z=values[1], d=values[2])
+        else:
+            uncertain = {k: self._number(f"actuator.{name}", getattr(elastic, k)) for name, k in ACTUATOR.items()}
+            port = replace(elastic, **uncertain).over(s)
+        hold = self.family.setting.loop.actuator.hold
+        if hold is not None:
+            port = replace(port, h=port.h * self.cells.hold(hold))
+        port = replace(port, hold=None)
+        return replace(self.family.setting, loop=replace(exact_loop, actuator=port, desired=desired, s=s))
+
+    @cached_property
+    def compensator(self) -> Compensator:
+        """C, its coefficients as uncertain as the tolerance makes them."""
+        family = self.family
+        if family.tolerance == 0:
+            C = family.setting.build(family.numerator, family.denominator)
+            return Compensator(self.s.polynomial(C.num), self.s.polynomial(C.den))
+        parts = []
+        for part, p in (("numerator", family.numerator), ("denominator", family.denominator)):
+            parts.append(self.s.polynomial([self._number(f"{part}.{k}", c) for k, c in enumerate(p.coeffs())]))
+        return family.setting.build(*parts)
+
+    @cached_property
+    def variables(self) -> dict[Variable, Wave]:
+        """Q, Q̃, L and the noise gain on the cells."""
+        return self.setting.variables(self.compensator)
+
+    def free(self) -> Wave:
+        """Characteristic function in free motion, the load a parameter."""
+        load = self.family.load or self.family.setting.loop.nominal
+        load = DynamicStiffness(*(self._number(f"load.{k}", getattr(load, k)) for k in LOAD), s=self.s)
+        return self.setting.loop.free(load)(self.compensator)  # type: ignore[no-any-return]
+
+    def locked(self) -> Wave:
+        """Characteristic function against a rigid wall."""
+        return self.setting.loop.locked()(self.compensator)  # type: ignore[no-any-return]
+
+    def sides(self, inequality: Inequality, v: Any) -> Iterator[tuple[Form, Form]]:
+        """Left and right side of an inequality, for each member of the uncertainty that decides it."""
+        X = self.variables[inequality.variable]
+        for W in self._radii(inequality):
+            left, right = inequality.sides(v, W, X, self.s.real_number)
+            zero = self.s.x.constant(0)
+            yield left + zero, right + zero
+
+    def levels(self, inequality: Inequality) -> Iterator[Form]:
+        """For each member of the uncertainty, the level that just holds: v itself, or −1/v, or −v: larger is easier.
+
+        FLOOR: v. CEILING: −v. RADIUS: −1/v, which an exact model (W = 0) leaves finite.
+        """
+        X, at, zero = self.variables[inequality.variable], self.s.real_number, self.s.x.constant(0)
+        for W in self._radii(inequality):
+            rest, right = (side + zero for side in inequality.sides(0, W, X, at))
+            if inequality.role is Role.FLOOR:
+                yield right - rest
+                continue
+            if inequality.role is Role.CEILING:
+                left, right = (side + zero for side in inequality.sides(1, W, X, at))
+                yield -(left / right)
+                continue
+            steep = any(term.gain is Gain.R for term in inequality.moduli)  # vW/(1−vW) is 1 at vW = 1/2
+            whole = inequality.sides(1, Fraction(1, 2) if steep else W, X, at)[0] + zero
+            share = (whole - rest) / (right - rest)
+            yield -((share + 1) * W + zero) if steep else -share
+
+    def _radii(self, inequality: Inequality) -> Iterator[Any]:
+        if inequality.source is Source.NONE:
+            yield 0
+            return
+        V = self.disc
+        if inequality.source is Source.DISC or self.family.setting.uncertainty.box is None:
+            yield V
+            return
+        uncertainty = self.family.setting.uncertainty
+        points: tuple[Segment, ...] = tuple((load, load) for load in uncertainty.corners())
+        for segment in points if needs_disc(inequality) else uncertainty.segments():
+            W = self._load_radius(*segment)
+            yield W + V + W * V
+
+    @cached_property
+    def disc(self) -> Any:
+        """Radius V of the disc on top of every load: `1 + V = (1+W_w)(1+W_t)`."""
+        uncertainty = self.family.setting.uncertainty
+        weight = 0 if uncertainty.weight is None else abs(self.s.real_number(uncertainty.weight))
+        table = 0 if uncertainty.table is None else self._table(uncertainty.table)
+        return weight + table + weight * table
+
+    def _load_radius(self, start: DynamicStiffness, end: DynamicStiffness) -> Form:
+        """`|Ĝ⁻¹ − g|/|g|` for a load, or along a segment of loads."""
+        gap = self.s.polynomial(self.family.setting.loop.nominal.polynomial - start.polynomial)
+        load = self.s.polynomial(start.polynomial)
+        if start != end:
+            step = self.s.polynomial(end.polynomial - start.polynomial) * self._number(EDGE, None)
+            load, gap = load + step, gap - step
+        return abs(gap) / abs(load)
+
+    def _table(self, table: Table) -> Form:
+        """Least and greatest bound over each cell; linear in ω where a cell lies between two points."""
+        low, high = self.cells.z
+        if self.cells.part is Part.HIGH:
+            with np.errstate(divide="ignore"):
+                low, high = 1 / high, 1 / low
+        least, most = table.extremes(low, high)
+        if self.cells.part is Part.HIGH:
+            return self.cells.ball(least, most)
+        ends = np.array([table(low), table(high)])
+        straight = table.straight(low, high)
+        linear = self.cells._moving(0, *ends)
+        ball = self.cells.ball(least, most)
+        c = np.where(straight, linear.c, ball.c)
+        return Form(c, np.where(straight, linear.rho, ball.rho) + 1e-12 * most, 0, self.s.x.z)

@@ -1,0 +1,181 @@
+"""Claims on cells: the constraints of a family of joints, each proven at its hardest level with a twin beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from ....models.impedance import DynamicStiffness
+from ....models.rational import exact
+from ...problem.constraints import constraints
+from ...problem.constraints.inequality import Constraint, Inequality, Role
+from ...problem.grid import frequency_scale
+from ..claim import Claim, Refutation, claim_of
+from ..outcome import Outcome
+from ..witness import Witness, short
+from .cells import Cells, axis
+from .form import Form
+from .joint import EDGE, Family, JointOnCells
+from .search import Minimum, Point, minimum
+
+MIDDLE = 1000  # cells the axis starts with
+BEYOND = 30.0  # how far beyond the joint's own frequencies the ends of the axis begin
+NEAR = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1)
+
+
+@dataclass(frozen=True)
+class CellProver:
+    """Proofs about one family of joints. Points and levels are floats with error bounds; what is claimed is exact."""
+
+    family: Family
+    _joints: dict[int, tuple[Cells, JointOnCells]] = field(default_factory=dict, repr=False, compare=False)
+    _axes: dict[Any, tuple[Cells, ...]] = field(default_factory=dict, repr=False, compare=False)
+
+    def axis(self, band: tuple[Fraction, Fraction | None]) -> tuple[Cells, ...]:
+        """Cells to begin with."""
+        if band not in self._axes:
+            low, high = frequency_scale(self.family.setting)
+            self._axes[band] = axis(low / BEYOND, high * BEYOND, len(self.family.parameters), MIDDLE, band)
+        return self._axes[band]
+
+    def joint(self, cells: Cells) -> JointOnCells:
+        """The joint on cells; remembered for those every proof begins with."""
+        known = self._joints.get(id(cells))
+        if known is None or known[0] is not cells:
+            known = (cells, JointOnCells(self.family, cells))
+            if any(cells is one for axis in self._axes.values() for one in axis):
+                self._joints[id(cells)] = known
+        return known[1]
+
+    def inequalities(self, constraint: Constraint, joint: JointOnCells) -> tuple[Inequality, ...]:
+        """A constraint's inequalities, on cells."""
+        same = (
+            c for c in constraints(joint.setting, constraint.id) if (c.id, c.form) == (constraint.id, constraint.form)
+        )
+        return next(same).inequalities
+
+    def levels(self, constraint: Constraint, cells: Cells) -> list[Form]:
+        """The levels that just hold on each cell: one form for each inequality and member of the uncertainty."""
+        joint = self.joint(cells)
+        return [form for inequality in self.inequalities(constraint, joint) for form in joint.levels(inequality)]
+
+    def slacks(self, constraint: Constraint, v: Fraction, cells: Cells) -> list[Form]:
+        """Right minus left at a level, divided by the right: positive where the constraint holds."""
+        joint, found = self.joint(cells), []
+        for inequality in self.inequalities(constraint, joint):
+            for left, right in joint.sides(inequality, v):
+                found.append(right - left)
+        return found
+
+    def hardest(self, constraint: Constraint) -> Claim:
+        """Prove at the hardest level, with its twin; if the required level fails, refute it with a witness."""
+        found = minimum(
+            lambda cells: self.levels(constraint, cells),
+            self.axis(constraint.band),
+            scale=1e-4 if constraint.role is Role.FLOOR else 0.0,
+            parameters=self.halved(),
+        )
+        role, required = constraint.role, constraint.level
+        proven, beyond = _level(found.low, role, up=False), _level(found.high, role, up=True)
+        harder = constraint.role.harder
+        twin = None
+        if found.at is not None and beyond is not None:
+            twin = Refutation(beyond, self.witness(constraint, found.at))
+        meaningful = proven is not None and (proven > 0 or (role is Role.FLOOR and constraint.id != "friction"))
+        if meaningful and proven is not None and (required is None or harder * (proven - required) >= 0):
+            if constraint.positive_real and not self.ends(constraint):
+                return claim_of(constraint, Outcome.UNDECIDED, None, None)
+            useful = twin is not None and harder * (twin.value - proven) > 0
+            return claim_of(constraint, Outcome.PROVEN, proven, twin if useful else None)
+        level = required if required is not None else Fraction(0) if role is Role.FLOOR else Fraction(1)
+        if twin is not None and harder * (level - twin.value) >= 0:
+            return claim_of(constraint, Outcome.REFUTED, None, replace(twin, value=level))
+        return claim_of(constraint, Outcome.UNDECIDED, None, None)
+
+    def decide(self, wanted: Sequence[tuple[Constraint, Fraction]]) -> Minimum:
+        """Whether constraints hold at given levels on their bands, all together where the bands agree."""
+        worst = Minimum(np.inf, np.inf, None)
+        for constraint, v in wanted:
+            found = minimum(
+                lambda cells, c=constraint, v=v: self.slacks(c, v, cells),  # type: ignore[misc]
+                self.axis(constraint.band),
+                floor=0.0,
+                parameters=self.halved(),
+            )
+            if constraint.positive_real and not self.ends(constraint):
+                found = Minimum(-np.inf, found.high, found.at)
+            worst = worst if worst.low <= found.low else found
+            if worst.high < 0 or worst.low <= 0:
+                return worst
+        return worst
+
+    def halved(self) -> np.ndarray:
+        """Which parameters may be halved: not the controller's coefficients, whose effect is small and linear."""
+        names = self.family.parameters
+        return np.array([not name.startswith(("numerator", "denominator")) for name in names], dtype=bool)
+
+    def ends(self, constraint: Constraint) -> bool:
+        """Whether `Z(0)` and `lim Z/s²` are > 0 (friction: Z over its nominal value) for every load and parameter."""
+        return all(float(form.lower[0]) > 0 and form.order == 0 for form in self._ends(constraint))
+
+    def _ends(self, constraint: Constraint) -> Iterator[Form]:
+        for cells in self.axis((Fraction(0), None)):
+            if cells.z[0, 0] > 0:
+                continue
+            at = Cells(cells.part, np.zeros((2, 1)), cells.t[:, :, :1])
+            joint = JointOnCells(self.family, at)
+            loop, X, C = joint.setting.loop, joint.setting.variables(joint.compensator), joint.compensator
+            s, uncertainty = joint.s, self.family.setting.uncertainty
+            Q = next(X[v] for v in X if v.name == "Q_TILDE")
+            unit = s.polynomial(exact_one()) if at.part.value == "low" else s * s
+            reference = loop.free(loop.nominal)(C) if constraint.id == "friction" else loop.locked()(C) * unit
+            for load in uncertainty.corners():
+                A = loop.free(load)(C) / reference
+                yield A.real
+                if uncertainty.disc and constraint.id == "friction":
+                    continue
+                if uncertainty.disc:
+                    own = (1 - Q) * load.rational / unit
+                    yield A.real * A.real - (A - own).real * (A - own).real * joint.disc * joint.disc
+
+    def witness(self, constraint: Constraint, point: Point) -> Witness:
+        """The exact point of a refutation: frequency, load (if one decides), impedance and actuator."""
+        omega = None if np.isinf(point.omega) else short(point.omega, digits=12)
+        joint = self.joint(point.cells)
+        loads = [q.load for q in self.inequalities(constraint, joint) for _ in joint.sides(q, 1)]
+        return witness_at(self.family, point, omega, loads[point.form])
+
+
+def exact_one() -> list[Any]:
+    """The polynomial 1."""
+    return [exact(1)]
+
+
+def witness_at(family: Family, point: Point, omega: Fraction | None, load: DynamicStiffness | None) -> Witness:
+    """A witness with the parameters of a point; those that are single numbers are left out."""
+    values = family.point(point.cells, point.k)
+    setting = family.setting.at(
+        {k: exact(v) for k, v in values.items() if k.split(".")[0] in ("impedance", "actuator")}
+    )
+    named = {k.split(".")[0] for k in values if k != EDGE}
+    return Witness(
+        omega,
+        load,
+        impedance=setting.loop.desired if "impedance" in named else None,
+        actuator=setting.elastic if "actuator" in named else None,
+    )
+
+
+def _level(value: float, role: Role, *, up: bool) -> Fraction | None:
+    """The level that a minimum of `levels` stands for, rounded to the easier side (`up`: to the harder)."""
+    if not np.isfinite(value):
+        return None
+    if role is Role.FLOOR:
+        return short(value, up=up)
+    if role is Role.CEILING:
+        return short(-value, up=not up)
+    return short(min(-1 / value, 1e6) if value < 0 else 1e6, up=up)

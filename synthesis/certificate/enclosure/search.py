@@ -1,0 +1,138 @@
+"""Branch and bound on cells: the hardest level at which a constraint holds everywhere, from both sides.
+
+On each cell the level v that just holds is enclosed as a form. Its lower bounds over all cells prove; its value at a
+point, an exact frequency with exact parameters, refutes. Cells that could still hold the worst point are halved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .cells import Cells, Part
+from .form import Form
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+GAP = 4e-3  # relative distance of the two sides that is small enough
+ROUNDS, MOST_CELLS = 40, 60_000
+TRIED = 48  # of the most doubtful cells, points are looked at
+Evaluate = Callable[[Cells], Sequence[Form]]
+
+
+@dataclass(frozen=True)
+class Point:
+    """Where a quantity is smallest: a degenerate cell of its own (k), and the upper bound there."""
+
+    cells: Cells
+    k: int
+    value: float
+    form: int  # which of the forms it is
+
+    @property
+    def omega(self) -> float:
+        """Frequency [rad/s]; inf at the end of the axis."""
+        z = float(self.cells.z[0, self.k])
+        if self.cells.part is Part.HIGH:
+            return np.inf if z == 0 else 1 / z
+        return z
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """`low ≤ min ≤ high`, the latter attained at a point. low is −inf where nothing could be proven."""
+
+    low: float
+    high: float
+    at: Point | None
+
+
+def minimum(
+    evaluate: Evaluate,
+    axis: Sequence[Cells],
+    *,
+    floor: float | None = None,
+    scale: float = 0.0,
+    gap: float = GAP,
+    parameters: NDArray[np.bool_] | None = None,
+) -> Minimum:
+    """Least value of several forms over cells, to a relative `gap`; stops early once `floor` is proven or refuted.
+
+    scale: absolute size below which differences do not matter; parameters: which of them may be halved, (m,).
+    """
+    open_cells, low, best = list(axis), np.inf, Minimum(-np.inf, np.inf, None)
+    for rounds in range(ROUNDS):
+        waiting = []
+        for cells in open_cells:
+            bound, point, slopes = _bounds(evaluate, cells)
+            if point is not None and point.value < best.high:
+                best = Minimum(-np.inf, point.value, point)
+            waiting.append((cells, bound, slopes))
+        if floor is not None and best.high < floor:
+            return best
+        near = best.high - gap * (abs(best.high) + scale) if np.isfinite(best.high) else np.inf
+        enough = np.nextafter(near if floor is None else floor, np.inf)
+        open_cells = []
+        for cells, bound, slopes in waiting:
+            done = bound >= enough
+            low = min(low, float(bound[done].min(initial=np.inf)))
+            if not done.all():
+                open_cells.append(_halved(cells[~done], slopes[:, ~done], rounds, parameters))
+        if not open_cells:
+            return Minimum(low, best.high, best.at)
+        if sum(cells.size for cells in open_cells) > MOST_CELLS:
+            break
+    return best
+
+
+def _bounds(evaluate: Evaluate, cells: Cells) -> tuple[NDArray[np.float64], Point | None, NDArray[np.float64]]:
+    """Lower bound on every cell, the best point seen, and the slopes (1+m, n) of the form that is lowest there."""
+    lowest, slopes = np.full(cells.size, np.inf), np.zeros((1 + cells.t.shape[1], cells.size))
+    for form in evaluate(cells):
+        lower = _scaled(form, form.lower, cells)
+        smaller = lower < lowest
+        lowest = np.where(smaller, lower, lowest)
+        slopes = np.where(smaller, form.c[1:], slopes)
+    tried = np.argsort(lowest)[:TRIED]
+    points = cells[tried].points(-np.sign(slopes[1:, tried]))
+    best: Point | None = None
+    for index, form in enumerate(evaluate(points)):
+        upper = -_scaled(form, -form.upper, points)
+        upper = np.where(np.isfinite(form.rho), upper, np.inf)
+        k = int(np.argmin(np.nan_to_num(upper, nan=np.inf)))
+        if np.isfinite(upper[k]) and (best is None or upper[k] < best.value):
+            best = Point(points, k, float(upper[k]), index)
+    return lowest, best, slopes
+
+
+def _scaled(form: Form, lower: NDArray[np.float64], cells: Cells) -> NDArray[np.float64]:
+    """A lower bound of z^order·form from one of the form, over every z of the cell."""
+    lower = np.nan_to_num(lower, nan=-np.inf)
+    if form.order == 0:
+        return lower
+    with np.errstate(all="ignore"):
+        ends = np.nan_to_num(lower * cells.z**form.order, nan=-np.inf if form.order < 0 else 0.0)
+    return np.asarray(np.where(lower < 0, ends.min(axis=0), np.maximum(ends.min(axis=0), 0.0)))
+
+
+def _halved(cells: Cells, slopes: NDArray[np.float64], rounds: int, parameters: NDArray[np.bool_] | None) -> Cells:
+    """Along the frequency or the parameter that matters most to first order; parameters where that is unknown."""
+    if parameters is None or not parameters.any() or rounds % 4 == 3:
+        return cells.split_frequency()
+    weight = np.abs(slopes[1:]) * parameters[:, None]
+    which, most = np.argmax(weight, axis=0), weight.max(axis=0)
+    unknown = ~(np.abs(slopes).max(axis=0) > 0)
+    which = np.where(unknown, _widest(cells, parameters), which)
+    along = unknown | (most > np.abs(slopes[0]))
+    parts = [cells[along].split_parameter(which[along]), cells[~along].split_frequency()]
+    return Cells(cells.part, np.hstack([p.z for p in parts]), np.concatenate([p.t for p in parts], axis=2))
+
+
+def _widest(cells: Cells, parameters: NDArray[np.bool_]) -> NDArray[np.int_]:
+    """The parameter of which most is left."""
+    width = (cells.t[1] - cells.t[0]) * parameters[:, None]
+    return np.asarray(np.argmax(width, axis=0))
