@@ -48,11 +48,13 @@ class Judgement:
     @property
     def message(self) -> str:
         """One line: what does not belong, then what the checker says."""
+        said = self.verdict.message
+        if self.verdict.exit_code != ExitCode.PROVEN:
+            return "; and ".join([*map(str, self.mismatches), said])
         if self.mismatches:
-            said = [] if self.verdict.exit_code == ExitCode.PROVEN else [self.verdict.message]
-            return "; and ".join([*map(str, self.mismatches), *said])
+            return "; and ".join(map(str, self.mismatches))
         agreeing = " and ".join(c.other for c in self.comparisons)
-        return self.verdict.message + (f", of this {agreeing}" if agreeing else "")
+        return f"{said}, of this {agreeing}" if agreeing else said
 
     def to_json(self) -> dict[str, Any]:
         """For scripts: outcome, claims, and every difference."""
@@ -73,7 +75,8 @@ def judge(
     began = time.perf_counter()
     verdict = check_bytes(data, time_limit=time_limit)
     comparisons = []
-    if verdict.exit_code != ExitCode.INPUT:
+    asked = spec is not None or controller is not None
+    if asked and verdict.exit_code != ExitCode.INPUT:
         content = json.loads(data)
         if spec is not None:
             comparisons.append(_compared("specification", differences(content["spec"], spec, "specification")))

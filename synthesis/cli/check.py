@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
@@ -41,8 +41,8 @@ def check(
     """Re-prove every claim with the independent checker (standard library only). The gravest outcome decides."""
     report = _Report(junit, certificates, [*(spec or []), *(controller or [])])
     try:
-        specs = _paired("--spec", [_canonical(path) for path in spec or []], certificates)
-        controllers = _paired("--controller", [_controller(path) for path in controller or []], certificates)
+        specs = _paired("--spec", spec or [], _canonical, len(certificates))
+        controllers = _paired("--controller", controller or [], _controller, len(certificates))
         for path, its_spec, its_controller in zip(certificates, specs, controllers, strict=True):
             judgement = _judgement(path, its_spec, its_controller, time_limit)
             report.add(judgement)
@@ -85,16 +85,15 @@ def _controller(path: Path) -> Controller:
     return read_controller(bounded_bytes(path, MAX_BYTES), str(path))
 
 
-def _paired(option: str, given: list[T], certificates: Sequence[Path]) -> list[T | None]:
-    """None, the one, or the nth for the nth certificate. Raises: InputError for any other number."""
-    if len(given) <= 1:
-        return [given[0] if given else None for _ in certificates]
-    if len(given) != len(certificates):
+def _paired(option: str, paths: list[Path], read: Callable[[Path], T], count: int) -> list[T | None]:
+    """For each of `count` certificates none, the only one, or its own. Raises: InputError for any other number."""
+    if len(paths) not in (0, 1, count):
         raise InputError(
-            f"{option} is given {len(given)} times for {len(certificates)} certificates: "
+            f"{option} is given {len(paths)} times for {count} certificate{'s' if count > 1 else ''}: "
             "give it once, or once for each certificate in the same order"
         )
-    return list(given)
+    found = [read(path) for path in paths]
+    return list(found) if len(found) == count else [found[0] if found else None] * count
 
 
 class _Report:
