@@ -57,7 +57,8 @@ def stale(certified: dict[str, Any], asked: Controller) -> list[str]:
     for name, part in asked.parts.items():
         if name == UNNAMED:
             against = [_part_differences(f"controller.{n}", known[n], part) for n in known]
-            found += min(against, key=len)  # whichever it is nearer to
+            nearest = min(against, key=len)
+            found += nearest
         elif name in known:
             found += _part_differences(f"controller.{name}", known[name], part)
         else:

@@ -307,6 +307,16 @@ def test_a_killed_check_does_not_leave_an_earlier_green_report(paper: Path, tmp_
     assert red(suites(file)[0]) == {"certificate": "error: the check did not finish"}
 
 
+def test_ctrl_c_leaves_a_red_report(paper: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def pressed(*_: object, **__: object) -> Verdict:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(judgement, "check_bytes", pressed)
+    line = refused(ExitCode.UNDECIDED, "check", paper, "--junit", tmp_path / "junit.xml")
+    assert "interrupted" in line
+    assert red(suites(tmp_path / "junit.xml")[0]) == {"certificate": "error: the check did not finish"}
+
+
 def test_a_report_that_cannot_be_written_is_refused_before_the_work(
     paper: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -351,6 +361,14 @@ def test_output_that_cannot_be_written_is_one_line(command: str, output: str, pa
         os.close(stdout)
     assert done.returncode == ExitCode.INPUT
     assert done.stderr.startswith("robimp: standard output: cannot be written: ") and done.stderr.count("\n") == 1
+
+
+def test_a_library_that_ends_the_program_is_an_internal_error(paper: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def leave(*_: object, **__: object) -> Verdict:
+        raise SystemExit(0)
+
+    monkeypatch.setattr(judgement, "check_bytes", leave)
+    assert "a library ended the program" in refused(ExitCode.INTERNAL, "check", paper)
 
 
 def test_a_report_is_red_when_the_verdict_could_not_be_said(paper: Path, tmp_path: Path) -> None:

@@ -83,8 +83,10 @@ def _run(arguments: list[str]) -> int:
             command.invoke(context)
     except typer.Exit as end:
         return end.exit_code
-    except SystemExit as end:  # how rich ends when nobody reads its output
-        raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE)) from end
+    except SystemExit as end:
+        if isinstance(end.__context__, BrokenPipeError):  # how rich ends when nobody reads its output
+            raise end.__context__ from end
+        raise RuntimeError(f"a library ended the program with {end.code}") from end
     return ExitCode.PROVEN
 
 
