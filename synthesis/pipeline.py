@@ -19,6 +19,7 @@ from .certificate.document import document, robustly_stable, verdict
 from .certificate.outcome import Outcome
 from .check import check_bytes
 from .errors import ExitCode, InputError, RefutedError, RobimpError, UndecidedError
+from .interruption import demand_none, demanding
 from .problem.grid import frequency_scale
 from .problem.setting import Setting
 from .simulation import SampledComparison, Trials, sampled_comparison, verify
@@ -86,6 +87,7 @@ def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: f
     prover, checker and simulation disagree.
     """
     began = time.monotonic()
+    progress = demanding(progress)
     setting = setting_of(spec)
     if spec.controller.coefficients is None:
         coefficients, limit = _search(setting, progress, None if time_limit is None else began + time_limit)
@@ -119,6 +121,7 @@ def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: f
             "add eq18: {form: half-plane, coupling: physical} or eq12: {form: structured}"
         )
     sampled = sampled_comparison(spec, (numbers[0], numbers[1]), SAMPLING_RATE)
+    demand_none()
     seconds = time.monotonic() - began
     return Result(spec, coefficients, claims, limit, certificate, trials, agreement, sampled, seconds)
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from importlib.metadata import version
 from typing import Any
 
 from .agreement import Agreement, compare
 from .certificate.claims import certify
-from .certificate.document import verdict
+from .certificate.document import document, verdict
 from .check import Verdict
 from .errors import MismatchError
 from .pipeline import VERDICT_CODE, realizable, setting_of
@@ -26,7 +27,8 @@ def replay(
     """
     spec = from_canonical(content["spec"], file)
     setting = setting_of(spec)
-    C = realizable(setting, _polynomials(content["controller"]["Q" if spec.controller.type == "dob" else "C"]))
+    coefficients = _polynomials(content["controller"]["Q" if spec.controller.type == "dob" else "C"])
+    C = realizable(setting, coefficients)
     claims = certify(setting, C)
     found = {(claim.id, claim.form): claim.status.value for claim in claims}
     for claim in content["claims"]:
@@ -35,11 +37,26 @@ def replay(
             raise MismatchError(
                 f"{file}: {claim['id']} {claim['form']} is written as {claim['status']}, but is {status}"
             )
+    if content["producer"].get("robimp") == version("robimp"):  # another version has other words for it
+        _demand_texts(content, document(setting, coefficients, claims, bound=None, producer={}), file)
     if checked.exit_code != VERDICT_CODE[verdict(claims)]:
         raise MismatchError(f"{file}: {checked.message}")
     compensator = _polynomials(content["controller"]["C"])
     trials = verify(spec, (compensator.numerator, compensator.denominator), progress=progress)
     return trials, compare(setting, C, claims, trials)
+
+
+def _demand_texts(written: dict[str, Any], expected: dict[str, Any], file: str) -> None:
+    """The words of a certificate, which a person reads and the checker does not, are those of this version."""
+    said = {(claim["id"], claim["form"]): claim for claim in expected["claims"]}
+    for claim in written["claims"]:
+        kind = claim["id"], claim["form"]
+        for key in ("equation", "statement", "uncertainty"):
+            if kind in said and claim[key] != said[kind][key]:
+                raise MismatchError(f"{file}: {' '.join(kind)}: its {key} is not what was proven: {claim[key]}")
+    for key in ("assumptions", "not_claimed"):
+        if written[key] != expected[key]:
+            raise MismatchError(f"{file}: {key}: not those of a certificate of this controller")
 
 
 def _polynomials(written: dict[str, list[str]]) -> Polynomials:

@@ -16,11 +16,11 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"models": ROOT / "models", "synthesis": ROOT / "synthesis"}
-LAYERS = ["errors", "storage", "models", "spec", "problem", "solve", "certificate", "check", "simulation", "report"]
-LAYERS += ["agreement", "pipeline", "replay", "cli"]
+LAYERS = ["errors", "interruption", "storage", "models", "spec", "problem", "solve", "certificate", "check"]
+LAYERS += ["simulation", "report", "agreement", "pipeline", "replay", "controller_file", "judgement", "cli"]
 HEAVY = ("cvxpy", "casadi", "control", "matplotlib", "numpy", "flint")
 MOST_LINES = 300
-PRINTERS = {"synthesis/cli.py", "synthesis/check/__main__.py"}
+PRINTERS = {"synthesis/cli/common.py", "synthesis/check/__main__.py"}
 MACHINE_PATH = re.compile(r"(?<![\w.)}])/(?:home|root|work|tmp|Users|mnt|opt|srv)/\w")
 TEXT = {".py", ".md", ".toml", ".txt", ".yaml", ".yml", ".sh", ".tsv", ".json", ".svg", ""}
 NOT_OURS = {".git", ".venv", "build", "dist", "out", "__pycache__"}

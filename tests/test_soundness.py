@@ -20,7 +20,7 @@ from robimp.synthesis.certificate.claims import certify
 from robimp.synthesis.certificate.document import NOMINAL_ONLY, OUTSIDE, document, robustly_stable
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.check import check_bytes
-from robimp.synthesis.cli import _interrupted
+from robimp.synthesis.cli.entry import _interrupted
 from robimp.synthesis.problem.setting import Setting
 
 SOFT_IN_THE_BOX = """

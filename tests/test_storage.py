@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from robimp.synthesis.errors import InputError
-from robimp.synthesis.storage import demand_writable, write_atomic
+from robimp.synthesis.storage import demand_replaceable, demand_writable, write_atomic
 
 
 def names(folder: Path) -> list[str]:
@@ -69,8 +69,64 @@ def test_a_killed_writer_leaves_the_old_file(tmp_path: Path) -> None:
     )
     with subprocess.Popen([sys.executable, "-c", script, str(target)], stdout=subprocess.PIPE, text=True) as writer:
         assert writer.stdout is not None and writer.stdout.readline() == "writing\n"
+        (part,) = (name for name in names(tmp_path) if name != "file.json")
+        write_atomic(target, b"second")
+        assert part in names(tmp_path), "a live process still holds it"
         writer.send_signal(signal.SIGKILL)
-    assert target.read_bytes() == b"old"
+    assert target.read_bytes() == b"second"
+    assert part in names(tmp_path), "nobody could clean up after kill −9"
+    write_atomic(target, b"third")
+    assert target.read_bytes() == b"third" and names(tmp_path) == ["file.json"]
+
+
+def test_only_what_is_ours_is_cleaned_up(tmp_path: Path) -> None:
+    target, elsewhere = tmp_path / "file.json", tmp_path / "elsewhere"
+    elsewhere.write_bytes(b"mine")
+    kept = [
+        ".file.json.backup.part",
+        ".other.json.robimp-abcd1234.part",
+        ".file.json.robimp-abcd1234.parts",
+        "file.json.robimp-abcd1234.part",
+    ]
+    for name in kept:
+        (tmp_path / name).write_bytes(b"mine")
+    (tmp_path / ".file.json.robimp-abandone.part").write_bytes(b"ours")
+    (tmp_path / ".file.json.robimp-symlink1.part").symlink_to(elsewhere)
+    os.mkfifo(tmp_path / ".file.json.robimp-fifo1234.part")
+    (tmp_path / ".file.json.robimp-folder12.part").mkdir()
+    kept += [f".file.json.robimp-{kind}.part" for kind in ("symlink1", "fifo1234", "folder12")]
+    write_atomic(target, b"new")
+    assert names(tmp_path) == sorted([*kept, "elsewhere", "file.json"]) and elsewhere.read_bytes() == b"mine"
+
+
+def test_a_foreign_temporary_file_is_left_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    part = tmp_path / ".file.json.robimp-abcd1234.part"
+    part.write_bytes(b"another user's")
+    monkeypatch.setattr(os, "geteuid", lambda: part.stat().st_uid + 1)
+    write_atomic(tmp_path / "file.json", b"new")
+    assert part.exists()
+
+
+def test_writers_of_one_file_do_not_clean_each_other_up(tmp_path: Path) -> None:
+    target = tmp_path / "file.json"
+    script = (
+        "import sys\nfrom pathlib import Path\nfrom robimp.synthesis.storage import write_atomic\n"
+        "for _ in range(150):\n    write_atomic(Path(sys.argv[1]), sys.argv[2].encode() * 1000)\n"
+    )
+    writers = [subprocess.Popen([sys.executable, "-c", script, str(target), letter]) for letter in "abc"]
+    assert [writer.wait(timeout=60) for writer in writers] == [0, 0, 0]
+    assert target.read_bytes() in [letter * 1000 for letter in (b"a", b"b", b"c")] and names(tmp_path) == ["file.json"]
+
+
+@pytest.mark.parametrize("place", ["device", "folder", "below a file"])
+def test_what_is_no_ordinary_file_is_not_replaced(tmp_path: Path, place: str) -> None:
+    (tmp_path / "file").write_bytes(b"mine")
+    (tmp_path / "folder").mkdir()
+    targets = {"device": Path(os.devnull), "folder": tmp_path / "folder", "below a file": tmp_path / "file" / "x"}
+    with pytest.raises(InputError, match="cannot be written"):
+        demand_replaceable(targets[place])
+    demand_replaceable(tmp_path / "file")
+    demand_replaceable(tmp_path / "new")
 
 
 def test_a_reader_sees_the_old_file_or_the_new_one(tmp_path: Path) -> None:

@@ -1,28 +1,50 @@
-"""Where two specifications differ, in words."""
+"""Where two documents differ, in words: every difference, by key."""
 
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Iterator
+from decimal import Context, Decimal
+from fractions import Fraction
 from typing import Any
 
+NUMBER = re.compile(r"-?(?:0|[1-9][0-9]*)(?:/[1-9][0-9]*)?")
+LONGEST = 48  # characters of a value that are shown
 
-def first_difference(asked: Any, certified: Any, key: str = "") -> str | None:
-    """The first difference of two canonical specifications, in the order of the file; None when there is none.
 
-    `plant.inertia is 3/100 in the certificate, 31/1000 in the specification`.
+def differences(certified: Any, asked: Any, where: str, key: str = "") -> Iterator[str]:
+    """Every difference of two canonical documents, in the order of the file; where: what the second one is.
+
+    `plant.inertia 0.02 → 0.021`, `constraints.peak: only in the specification`. Null means absent.
     """
-    if isinstance(asked, dict) and isinstance(certified, dict):
+    if isinstance(certified, dict) and isinstance(asked, dict):
         for name in dict.fromkeys([*asked, *certified]):
-            inner = first_difference(asked.get(name), certified.get(name), f"{key}.{name}" if key else name)
-            if inner is not None:
-                return inner
-        return None
-    if asked == certified:
-        return None
-    return f"{key} is {_readable(certified)} in the certificate, {_readable(asked)} in the specification"
+            yield from differences(certified.get(name), asked.get(name), where, f"{key}.{name}" if key else name)
+    elif isinstance(certified, list) and isinstance(asked, list):
+        for k in range(max(len(certified), len(asked))):
+            one, other = (side[k] if k < len(side) else None for side in (certified, asked))
+            yield from differences(one, other, where, f"{key}[{k}]")
+    elif asked is None and certified is not None:
+        yield f"{key}: only in the certificate"
+    elif certified is None and asked is not None:
+        yield f"{key}: only in the {where}"
+    elif type(certified) is not type(asked) or certified != asked:  # True == 1
+        yield f"{key} {readable(certified)} → {readable(asked)}"
 
 
-def _readable(value: Any) -> str:
-    if value is None:
-        return "absent"
-    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+def readable(value: Any) -> str:
+    """A value for a person: exact numbers as decimals where they end soon, long text with its middle left out."""
+    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+    if isinstance(value, str) and NUMBER.fullmatch(value):
+        text = decimal(value)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST // 2]}…{text[-LONGEST // 2 :]}"
+
+
+def decimal(text: str) -> str:
+    """`3/100` as 0.03; an exact fraction stays one where it has no decimal, or only a long one."""
+    if len(text) > LONGEST:
+        return text
+    number, context = Fraction(text), Context(prec=12)
+    short = context.divide(Decimal(number.numerator), Decimal(number.denominator))
+    return f"{short.normalize():f}" if Fraction(short) == number and abs(short.adjusted()) < 12 else text

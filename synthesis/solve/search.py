@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from ..errors import UndecidedError
+from ..interruption import demand_none
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
 from .nlp import Candidate, Grids, Program
@@ -127,6 +128,7 @@ class Search:
         return found
 
     def _in_time(self) -> None:
+        demand_none()  # CasADi's callbacks into Python swallow exceptions
         if self.deadline is not None and time.monotonic() > self.deadline:
             raise UndecidedError("out of time: no controller was proven within the time limit")
 
