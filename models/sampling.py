@@ -36,6 +36,11 @@ class Held:
     held: RationalFunction
     hold: Hold
 
+    @property
+    def at_rest(self) -> RationalFunction:
+        """What it tends to where s → 0: the hold becomes 1."""
+        return self.rational + self.held
+
     def __call__(self, s: Any) -> Any:
         """Value at s (array of complex numbers, or a symbolic complex number)."""
         return self.rational(s) + self.held(s) * self.hold(s)

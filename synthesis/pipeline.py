@@ -12,6 +12,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from ..models.controller import Compensator
+from ..models.sampling import Held
 from .agreement import Agreement, compare
 from .certificate.claim import Claim
 from .certificate.claims import certify, counterexamples
@@ -148,6 +149,8 @@ def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
     except (ValueError, ZeroDivisionError) as error:
         raise InputError(f"controller.coefficients: {error}") from error
     L = setting.loop.L(C)
+    if isinstance(L, Held):  # a hold decays: no algebraic loop
+        return C
     if L.relative_degree == 0 and L.num.leading_coefficient() == -L.den.leading_coefficient():
         raise InputError("controller.coefficients: algebraic loop, 1 + HCF vanishes at infinite frequency")
     return C

@@ -22,6 +22,8 @@ def frequency_scale(setting: Setting) -> tuple[float, float]:
     loop, uncertainty = setting.loop, setting.uncertainty
     polynomials = [loop.actuator.d, loop.desired.polynomial, loop.nominal.polynomial, loop.free(loop.nominal).on_den]
     polynomials += [load.polynomial for load in uncertainty.corners()]
+    for vertex in setting.vertices():
+        polynomials += [vertex.loop.actuator.d, vertex.loop.desired.polynomial]
     if uncertainty.weight is not None:
         polynomials += [uncertainty.weight.num, uncertainty.weight.den]
     relevant = [abs(root) for p in polynomials for root in float_roots(p) if root != 0]

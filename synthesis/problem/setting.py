@@ -66,10 +66,10 @@ class Setting:
         """Whether every question is one about polynomials: no hold, no table, no range of impedances or actuators."""
         return not (self.loop.actuator.hold or self.impedances or self.actuators or self.uncertainty.table)
 
-    def vertices(self) -> Iterator[Setting]:
-        """This setting with every range of impedances and actuators at each end; itself where there is none."""
+    def vertices(self, *, actuators: bool = True) -> Iterator[Setting]:
+        """This setting with every range of impedances (and actuators) at each end; itself where there is none."""
         ranges = {f"impedance.{k}": v for k, v in self.impedances.items()}
-        ranges |= {f"actuator.{k}": v for k, v in self.actuators.items()}
+        ranges |= {f"actuator.{k}": v for k, v in self.actuators.items()} if actuators else {}
         for ends in product(*(v[:2] for v in ranges.values())):
             yield self.at(dict(zip(ranges, ends, strict=True)))
 

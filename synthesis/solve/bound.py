@@ -50,6 +50,9 @@ class _Cvx:
 
         return cp.norm(cp.vstack([re, im]), 2, axis=0)
 
+    def exponential(self, re: Any, im: Any) -> tuple[Any, Any]:
+        raise NotImplementedError("frequencies are numbers here")
+
 
 def bound(setting: Setting, terms: int = 40) -> Bound | None:
     """The bound with `terms` Laguerre functions; None where even ω_B → 0 is infeasible on the grid."""
@@ -63,7 +66,7 @@ def bound(setting: Setting, terms: int = 40) -> Bound | None:
     if k is None:
         return None
     limit = float(omega[min(k + 1, omega.size - 1)])
-    return Bound(limit, terms, 2 * around, program.binding(), tuple(c.id for c in program.dropped))
+    return Bound(limit, terms, 2 * around, program.binding(), tuple(dict.fromkeys(c.id for c in program.dropped)))
 
 
 def _locate(setting: Setting) -> float | None:
@@ -102,7 +105,7 @@ class _Program:
         import cvxpy as cp
 
         self.omega, self.evaluator = omega, Evaluator(setting, omega)
-        everything = [c for c in constraints(setting) if c.required]
+        everything = [c for v in setting.vertices(actuators=False) for c in constraints(v) if c.required]
         same = {Variable.Q_TILDE, Variable.Q} if setting.loop.actuator.H == ONE else {Variable.Q_TILDE}  # H = 1: Q = Q̃
         self.kept = [c for c in everything if all(q.convex and q.variable in same for q in c.inequalities)]
         self.dropped = [c for c in everything if c not in self.kept]

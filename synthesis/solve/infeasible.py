@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from flint import fmpq
 
-from ...models.rational import RationalFunction, to_float
+from ...models.rational import ZERO, RationalFunction, to_float
+from ...models.sampling import Held
 from ...models.uncertainty import Uncertainty
 from ..errors import InfeasibleError
 from ..problem.constraints import constraints
-from ..problem.constraints.inequality import Affine, Constraint, Gain, Inequality
+from ..problem.constraints.inequality import Affine, Constraint, Inequality, needs_disc
 from ..problem.grid import Evaluator, frequency_scale
 from ..problem.setting import Setting
 
@@ -49,14 +50,14 @@ def impossible(setting: Setting) -> Impossible | None:
         )
     low, high = frequency_scale(setting)
     evaluator = Evaluator(setting, np.geomspace(low / 30, high * 30, 600))
-    for c in constraints(setting):
+    for c in (c for vertex in setting.vertices() for c in constraints(vertex)):
         if not c.required or c.on_band:
             continue
         for inequality in c.inequalities:
             if c.band[0] == 0 and (ratio := _ratio_at_zero(inequality, setting)) >= 1:
                 return _exceeded(c, 0.0, ratio)
             inside = evaluator.inside(c)
-            if _needs_disc(inequality) and np.any(beyond := inside & (evaluator.radius(inequality.source) >= 1)):
+            if needs_disc(inequality) and np.any(beyond := inside & (evaluator.radius(inequality.source) >= 1)):
                 why = "W ≥ 1 there, which leaves Δ/(1+Δ) unbounded"
                 return Impossible(f"{c.equation} {c.form}", float(evaluator.omega[beyond][0]), why, c.remedy)
             if c.form == "disc" and c.band[1] is None and _lasts(setting.uncertainty):
@@ -77,25 +78,25 @@ def _exceeded(c: Constraint, omega: float, ratio: float) -> Impossible:
 
 def _lasts(uncertainty: Uncertainty) -> bool:
     """Whether W(∞) > 0: an uncertain inertia, or a weight that is not strictly proper."""
-    box, weight = uncertainty.box, uncertainty.weight
-    return (box is not None and box.inertia[0] < box.inertia[1]) or (weight is not None and weight.relative_degree == 0)
-
-
-def _needs_disc(inequality: Inequality) -> bool:
-    return any(term.gain in (Gain.R, Gain.RHO) for term in inequality.moduli)
+    box, weight, table = uncertainty.box, uncertainty.weight, uncertainty.table
+    return (
+        (box is not None and box.inertia[0] < box.inertia[1])
+        or (weight is not None and weight.relative_degree == 0)
+        or (table is not None and table.bound[-1] > 0)
+    )
 
 
 def _best_ratio(inequality: Inequality, evaluator: Evaluator) -> np.ndarray:
     """min over X of left/right on the grid; 0 where the right side depends on X. Returns (n,)."""
     omega = evaluator.omega
-    if not inequality.modulus_right or inequality.right.slope.num.degree() >= 0 or len(inequality.moduli) > 2:
+    if not inequality.modulus_right or inequality.right.slope != ZERO or len(inequality.moduli) > 2:
         return np.zeros_like(omega)
     W = evaluator.radius(inequality.source)
     fixed, distances = np.zeros_like(omega), []
     for term in inequality.moduli:
         gain = np.broadcast_to(term.gain.of(W), omega.shape)
         a, b = term.affine.constant.at(omega), term.affine.slope.at(omega)
-        if term.affine.slope.num.degree() < 0:
+        if term.affine.slope == ZERO:
             fixed = fixed + gain * np.abs(a)
         else:
             distances.append((gain * np.abs(b), -a / b))
@@ -122,8 +123,9 @@ def _ratio_at_zero(inequality: Inequality, setting: Setting) -> float:
     return float("inf") if right == 0 else max(left / right, 1.0)
 
 
-def _order(r: RationalFunction) -> int:
+def _order(r: RationalFunction | Held) -> int:
     """Order of the zero (negative: pole) at s = 0."""
+    r = r.at_rest if isinstance(r, Held) else r
     if r.num.degree() < 0:
         return 10**6
     return _valuation(r.num.coeffs()) - _valuation(r.den.coeffs())
@@ -136,6 +138,7 @@ def _valuation(coefficients: list[fmpq]) -> int:
 def _lead(affine: Affine, order: int) -> float:
     """Modulus of the coefficient of s^order of the constant part at s → 0."""
     r = affine.constant
+    r = r.at_rest if isinstance(r, Held) else r
     if _order(r) > order:
         return 0.0
     num, den = r.num.coeffs(), r.den.coeffs()

@@ -88,6 +88,9 @@ class _Casadi:
     def modulus(self, re: Any, im: Any) -> Any:
         return ca.sqrt(re * re + im * im + 1e-14)
 
+    def exponential(self, re: Any, im: Any) -> tuple[Any, Any]:
+        return ca.exp(re) * ca.cos(im), ca.exp(re) * ca.sin(im)
+
 
 def _column(a: Any) -> Any:
     return ca.DM(a) if isinstance(a, np.ndarray) else a
@@ -105,10 +108,15 @@ class Program:
         x, log_band = ca.MX.sym("x", low.size), ca.MX.sym("log_band")
         parameters = [x[i] for i in range(low.size)]
         self.num, self.den = structure.polynomials(parameters, exp=ca.exp)
-        required = [c for c in constraints(setting) if c.required]
-        rows = [self._on_band(c, q, log_band, grids.band) for c in required if c.on_band for q in c.inequalities]
-        rows += [self._on_grid(c, q) for c in required if not c.on_band for q in c.inequalities]
-        routh = [*self._routh(setting.loop.locked()), *self._routh(setting.loop.free(setting.loop.nominal))]
+        rows, routh = [], []
+        for vertex in setting.vertices():
+            required = [c for c in constraints(vertex) if c.required]
+            band, fixed = (
+                [(c, q) for c in required if c.on_band == on for q in c.inequalities] for on in (True, False)
+            )
+            rows += [self._on_band(vertex, c, q, log_band, grids.band) for c, q in band]
+            rows += [self._on_grid(vertex, c, q) for c, q in fixed]
+            routh += [*self._routh(vertex.loop.locked()), *self._routh(vertex.loop.free(vertex.loop.nominal))]
         g = ca.vertcat(*rows, *routh)
         least = np.concatenate([np.full(g.shape[0] - len(routh), grids.back_off), np.full(len(routh), LEAST_ROUTH)])
         self.arguments = {
@@ -143,11 +151,11 @@ class Program:
             return self.num, _add(self.den, [-c for c in self.num])
         return self.num, self.den
 
-    def _variables(self, s: Any, at: Any) -> dict[Variable, Split]:
+    def _variables(self, setting: Setting, s: Any, at: Any) -> dict[Variable, Split]:
         """Q, Q̃ and L at the frequencies s (Split, in rad/s)."""
         p = s * (1 / self.omega_0)
         num, den = (_horner(c, p) for c in self._compensator())
-        loop = self.setting.loop
+        loop = setting.loop
         CF = num / den * at(loop.filters.force)
         L = CF * at(loop.actuator.H)
         return {
@@ -157,24 +165,26 @@ class Program:
             Variable.COMMAND: CF / (1.0 + L),
         }
 
-    def _on_grid(self, constraint: Constraint, inequality: Inequality) -> Any:
+    def _on_grid(self, setting: Setting, constraint: Constraint, inequality: Inequality) -> Any:
         """Slack on the fixed grid, inside the constraint's own band, relative to the size of the right side."""
         omega = self.evaluator.omega
         low, high = constraint.band
         omega = omega[(omega >= float(low)) & (omega <= (np.inf if high is None else float(high)))]
-        evaluator = Evaluator(self.setting, omega)
+        evaluator = Evaluator(setting, omega)
 
         def at(r: RationalFunction) -> Any:
             return r.at(omega)
 
         s = Split(np.zeros_like(omega), omega, _Casadi())
-        X = self._variables(Split(ca.DM(s.re), ca.DM(s.im), _Casadi()), at)[inequality.variable]
+        X = self._variables(setting, Split(ca.DM(s.re), ca.DM(s.im), _Casadi()), at)[inequality.variable]
         left, right = inequality.sides(float(constraint.level or 0), evaluator.radius(inequality.source), X, at)
         size = np.abs(at(inequality.right.constant)) + np.abs(at(inequality.right.slope))
         size = np.full_like(size, size.min()) if inequality.role is Role.FLOOR else size
         return (_column(right) - _column(left)) / ca.DM(size)
 
-    def _on_band(self, constraint: Constraint, inequality: Inequality, log_band: Any, band: NDArray[np.float64]) -> Any:
+    def _on_band(
+        self, setting: Setting, constraint: Constraint, inequality: Inequality, log_band: Any, band: NDArray[np.float64]
+    ) -> Any:
         """Slack on [0, ω_B], the grid scaled by the variable ω_B, relative to the right side."""
         omega = ca.DM(band) * ca.exp(log_band) * self.omega_0
         s = Split(ca.MX(ca.DM.zeros(band.size)), omega, _Casadi())
@@ -182,8 +192,13 @@ class Program:
         def at(r: RationalFunction) -> Any:
             return r(s)
 
-        W = abs(at(self.setting.uncertainty.weight)) if inequality.source is Source.DISC else 0.0  # type: ignore[arg-type]
-        left, right = inequality.sides(float(constraint.level or 0), W, self._variables(s, at)[inequality.variable], at)
+        W: Any = 0.0
+        if inequality.source is Source.DISC:  # a table by its largest bound: it has no formula in ω
+            weight, table = setting.uncertainty.weight, setting.uncertainty.table
+            W = 0.0 if weight is None else abs(at(weight))
+            W = W if table is None else W + (1 + W) * to_float(max(table.bound))
+        X = self._variables(setting, s, at)[inequality.variable]
+        left, right = inequality.sides(float(constraint.level or 0), W, X, at)
         return 1.0 - left / right
 
     def _routh(self, pencil: Pencil) -> list[Any]:

@@ -17,6 +17,9 @@ class Arithmetic(Protocol):
     def modulus(self, re: Any, im: Any) -> Any:
         """Elementwise `√(re² + im²)`."""
 
+    def exponential(self, re: Any, im: Any) -> tuple[Any, Any]:
+        """Elementwise real and imaginary part of `e^{re + j·im}`."""
+
 
 @dataclass(frozen=True, eq=False)
 class Split:
@@ -70,6 +73,10 @@ class Split:
         scale = times(other.re, other.re) + times(other.im, other.im)
         numerator = self * Split(other.re, -other.im, self.arithmetic)
         return Split(numerator.re / scale, numerator.im / scale, self.arithmetic)
+
+    def exp(self) -> Split:
+        """`e^{re + j·im}`."""
+        return Split(*self.arithmetic.exponential(self.re, self.im), self.arithmetic)
 
     def __abs__(self) -> Any:
         return self.arithmetic.modulus(self.re, self.im)
