@@ -115,28 +115,23 @@ class Form:
     __radd__, __rmul__ = __add__, __mul__
 
     def inverse(self) -> Form:
-        """`1/(c₀+δ) = 1/c₀ − δ/c₀² + δ²/(c₀²(c₀+δ))`; nothing is known where 0 is not excluded."""
-        c0, R = self.c[0], self.spread
-        near = np.abs(c0) - R - ROUNDING * np.abs(c0)
-        rest = R**2 / (c0**2 * near) / 2
-        c = -self.c / c0**2
-        c[0] = 1 / c0 + np.sign(c0) * rest
-        rho = self.rho / c0**2 + rest + ROUNDING * (1 / np.abs(c0) + R / c0**2 + rest)
-        return self._like(c, np.where(near > 0, rho, np.inf), -self.order)
+        """`1/x` on [a, b]: between the chord `1/a + 1/b − x/(ab)` and the tangent `2/√(ab) − x/(ab)` parallel to it."""
+        sign = np.sign(self.c[0])
+        a, b = np.where(sign > 0, self.lower, -self.upper), np.where(sign > 0, self.upper, -self.lower)
+        slope, chord, tangent = 1 / a / b, 1 / a + 1 / b, 2 / np.sqrt(a * b)
+        c = -slope * self.c
+        c[0] += sign * (chord + tangent) / 2
+        rho = slope * self.rho + (chord - tangent) / 2 + ROUNDING * (chord + slope * b)
+        return self._like(c, np.where(a > 0, rho, np.inf), -self.order)
 
     def sqrt(self) -> Form:
-        """`√(c₀+δ) = √c₀ + δ/(2√c₀) − ε`, `0 ≤ ε ≤ δ²/(8 low^{3/2})`; where 0 is not excluded, [0, √high]."""
+        """`√x` on [a, b]: above the chord with slope `1/(√a+√b)`, by at most `(√b−√a)²/(4(√a+√b))`; x is never < 0."""
         even = self if self.order % 2 == 0 else self.shifted(self.order - 1)
-        c0, R = even.c[0], even.spread
-        low, high = c0 - R - ROUNDING * np.abs(c0), np.maximum(even.upper, 0.0)
-        root, rest = np.sqrt(np.abs(c0)), R**2 / (8 * np.maximum(low, 0.0) ** 1.5) / 2
-        c = even.c / (2 * root)
-        c[0] = root - rest
-        rho = even.rho / (2 * root) + rest + ROUNDING * (root + R / root + rest)
-        wide = ~((low > 0) & (rest < np.sqrt(high) / 2))
-        c = np.where(wide, 0.0, c)
-        c[0] = np.where(wide, np.sqrt(high) / 2, c[0])
-        return even._like(c, np.where(wide, np.sqrt(high) * (0.5 + ROUNDING), rho), even.order // 2)
+        a, b = np.sqrt(np.maximum(even.lower, 0.0)), np.sqrt(np.maximum(even.upper, 0.0))
+        slope, bulge = 1 / np.maximum(a + b, TINY), (b - a) ** 2 / (4 * np.maximum(a + b, TINY)) / 2
+        c = slope * even.c
+        c[0] += a - slope * a**2 + bulge
+        return even._like(c, slope * even.rho + bulge + ROUNDING * (a + b), even.order // 2)
 
     def where_below_one(self, value: Form) -> Form:
         """A value that means something only where this form is certainly below 1."""

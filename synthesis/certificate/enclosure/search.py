@@ -18,8 +18,9 @@ from .form import Form
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-GAP = 4e-3  # relative distance of the two sides that is small enough
+GAP = 8e-3  # relative distance of the two sides that is small enough
 ROUNDS, MOST_CELLS = 40, 60_000
+HUGE = 1e300  # a bound beyond this says nothing
 TRIED = 48  # of the most doubtful cells, points are looked at
 Evaluate = Callable[[Cells], Sequence[Form]]
 
@@ -81,12 +82,14 @@ def minimum(
             done = bound >= enough
             low = min(low, float(bound[done].min(initial=np.inf)))
             if not done.all():
-                open_cells.append(_halved(cells[~done], slopes[:, ~done], rounds, parameters))
+                known = np.where(bound > -HUGE, slopes, 0.0)
+                open_cells.append(_halved(cells[~done], known[:, ~done], rounds, parameters))
         if not open_cells:
             return Minimum(low, best.high, best.at)
         if sum(cells.size for cells in open_cells) > MOST_CELLS:
             break
-    return best
+    undone = min(float(bound.min()) for _, bound, _ in waiting)
+    return Minimum(min(low, undone) if floor is None else -np.inf, best.high, best.at)
 
 
 def _bounds(evaluate: Evaluate, cells: Cells) -> tuple[NDArray[np.float64], Point | None, NDArray[np.float64]]:
@@ -120,16 +123,12 @@ def _scaled(form: Form, lower: NDArray[np.float64], cells: Cells) -> NDArray[np.
 
 
 def _halved(cells: Cells, slopes: NDArray[np.float64], rounds: int, parameters: NDArray[np.bool_] | None) -> Cells:
-    """Along the frequency or the parameter that matters most to first order; parameters where that is unknown."""
-    if parameters is None or not parameters.any() or rounds % 4 == 3:
+    """In turns along the frequency and a parameter: that of the largest first-order effect, or the widest."""
+    if parameters is None or not parameters.any() or rounds % 3 == 2:
         return cells.split_frequency()
     weight = np.abs(slopes[1:]) * parameters[:, None]
-    which, most = np.argmax(weight, axis=0), weight.max(axis=0)
-    unknown = ~(np.abs(slopes).max(axis=0) > 0)
-    which = np.where(unknown, _widest(cells, parameters), which)
-    along = unknown | (most > np.abs(slopes[0]))
-    parts = [cells[along].split_parameter(which[along]), cells[~along].split_frequency()]
-    return Cells(cells.part, np.hstack([p.z for p in parts]), np.concatenate([p.t for p in parts], axis=2))
+    unknown = (weight.max(axis=0) == 0) | (rounds % 6 == 4)
+    return cells.split_parameter(np.where(unknown, _widest(cells, parameters), np.argmax(weight, axis=0)))
 
 
 def _widest(cells: Cells, parameters: NDArray[np.bool_]) -> NDArray[np.int_]:
