@@ -1,0 +1,58 @@
+"""Random joints: prover, independent checker and dense floats of the physics say the same of every claim."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Sequence
+
+from judge import judge
+from random_specs import certified, parsed, random_spec
+from tally import Tally, command
+
+from robimp.synthesis.check import check_bytes
+from robimp.synthesis.errors import InputError
+
+TITLE = "joints: prover, checker and dense floats of the physics"
+FULL, SMALL = 600, 12
+
+
+def expected_code(certificate: dict[str, object]) -> int:
+    """The exit code the prover's statuses stand for."""
+    claims: list[dict[str, object]] = certificate["claims"]  # type: ignore[assignment]
+    statuses = {claim["status"] for claim in claims if claim["required"]}
+    return 4 if "refuted" in statuses else 5 if "undecided" in statuses else 0
+
+
+def examine(seeds: Sequence[int]) -> Tally:
+    found = Tally()
+    for seed in seeds:
+        try:
+            spec = parsed(random_spec(seed))
+        except InputError as error:
+            found.count("specifications refused")
+            found.expect("nominal" in str(error) or "table" in str(error), f"{seed}: refused: {error}")
+            continue
+        began = time.process_time()
+        certificate = certified(spec)
+        found.measure("seconds of one proof", time.process_time() - began)
+        began = time.process_time()
+        verdict = check_bytes(json.dumps(certificate).encode())
+        found.measure("seconds of one check", time.process_time() - began)
+        found.count("joints")
+        found.count(f"joints with exit code {verdict.exit_code}")
+        found.expect(verdict.exit_code == expected_code(certificate), f"{seed}: checker: {verdict.message}")
+        for id, form, status, message in verdict.claims:
+            found.count(f"claims {status if status != 'not verified' else 'refuted'}")
+            honest = status != "not verified" or "required, and" in message
+            found.expect(honest, f"{seed}: {id} {form}: {message}")
+        judged, faults = judge(certificate, seed)
+        found.count("claims judged by floats", judged)
+        for fault in faults:
+            found.fault(f"{seed}: floats: {fault}")
+    return found
+
+
+if __name__ == "__main__":
+    sys.exit(command(TITLE, examine, FULL))
