@@ -7,6 +7,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from itertools import pairwise
 from random import Random
 
 import numpy as np
@@ -39,14 +40,14 @@ def _floats(case: Case) -> str | None:
     """What float values between and at the roots contradict: the sign is that of `≥`, except for rounding."""
     hi = case.lo + 1000 if case.hi is None else case.hi
     at = sorted({float(case.lo), float(hi), *(r.float() for r in case.inside())})
-    xs = [float(x) for a, b in zip(at, at[1:], strict=False) for x in np.linspace(a, b, 60)[1:-1]]
+    xs = [float(x) for a, b in pairwise(at) for x in np.linspace(a, b, 60)[1:-1]]
     if case.hi is None:
         xs += [2 * max(at[-1], 1.0)]
     values = [case.value(x) for x in xs]
     if case.truth(strict=False) and min(values, default=0.0) < 0:
         return "floats are negative where p ≥ 0"
     clear = [len(at) == len(case.inside()) + (1 if case.lo == case.hi else 2)]  # no two are one float
-    clear += [b - a > 1e-9 * max(1, abs(b)) for a, b in zip(at, at[1:], strict=False)]
+    clear += [b - a > 1e-9 * max(1, abs(b)) for a, b in pairwise(at)]
     if all(clear) and not case.truth(strict=False) and min([*values, case.value(at[0])], default=-1.0) > 0:
         return "floats are positive where p < 0"
     return None

@@ -1,4 +1,4 @@
-"""Every claim of a certificate judged by dense floats: the physics solved at many frequencies, loads and disturbances."""
+"""Every claim of a certificate judged by dense floats: the physics solved at many frequencies and loads."""
 
 from __future__ import annotations
 
@@ -213,7 +213,7 @@ def _worst(
     phases: int,
     load: Complex | None = None,
 ) -> tuple[float, float]:
-    """Least slack relative to the terms, and where; `phases` drawn at every frequency, 0: evenly spread over the grid."""
+    """Least slack relative to the terms, and where; `phases` drawn at each frequency, 0: spread evenly over the grid."""
     worst = (np.inf, 0.0)
     draw, n = np.random.default_rng(rng.getrandbits(32)), len(joint.omega)
     loads = [joint.nominal] if kind[0] in WITHOUT_LOAD else [load] if load is not None else joint.loads(rng, inside)

@@ -1,6 +1,6 @@
 """A joint as its physical equations, solved numerically: what every claim is judged by, with no formula of the project.
 
-One equation for each part, nothing eliminated: `F x' = A x + b u`. Poles are its eigenvalues, responses its solutions at s = jω.
+One equation for each part, nothing eliminated: `F x' = A x + b u`. Poles are eigenvalues, responses solutions at jω.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -61,7 +62,7 @@ class Equations:
         n = [0.0] * (len(d) - len(n)) + n
         n, d = [c / d[0] for c in n], [c / d[0] for c in d]
         states = [f"{name}.{k}" for k in range(len(d) - 1)]  # the k-th derivative
-        for low, high in zip(states, states[1:], strict=False):
+        for low, high in pairwise(states):
             self.add({low: 1}, {high: 1})
         if states:
             feedback = {state: -d[-1 - k] for k, state in enumerate(states)}
