@@ -9,9 +9,10 @@ import json
 import sys
 from pathlib import Path
 
+from tampering import twins
+
 from robimp.synthesis import load, synthesize
 from robimp.synthesis.check import check_bytes
-from tampering import twins
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "tests" / "data"

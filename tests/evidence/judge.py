@@ -213,7 +213,7 @@ def _worst(
     phases: int,
     load: Complex | None = None,
 ) -> tuple[float, float]:
-    """Least slack relative to the terms, and where; `phases` drawn at each frequency, 0: spread evenly over the grid."""
+    """Least slack relative to the terms, and where; `phases` drawn at each frequency, 0: spread over the grid."""
     worst = (np.inf, 0.0)
     draw, n = np.random.default_rng(rng.getrandbits(32)), len(joint.omega)
     loads = [joint.nominal] if kind[0] in WITHOUT_LOAD else [load] if load is not None else joint.loads(rng, inside)

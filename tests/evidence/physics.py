@@ -61,13 +61,14 @@ class Equations:
             return
         n = [0.0] * (len(d) - len(n)) + n
         n, d = [c / d[0] for c in n], [c / d[0] for c in d]
-        states = [f"{name}.{k}" for k in range(len(d) - 1)]  # the k-th derivative
+        states = [f"{name}.{k}" for k in range(len(d) - 1)]  # the k-th derivative over w^k: of one size
+        w = max(abs(c) ** (1 / k) for k, c in enumerate(d) if k) if any(d[1:]) else 1.0
         for low, high in pairwise(states):
-            self.add({low: 1}, {high: 1})
+            self.add({low: 1}, {high: w})
         if states:
-            feedback = {state: -d[-1 - k] for k, state in enumerate(states)}
-            self.add({states[-1]: 1}, {**feedback, **source})
-        out = {state: n[-1 - k] - n[0] * d[-1 - k] for k, state in enumerate(states)}
+            feedback = {state: -d[-1 - k] * w ** (k + 1 - len(states)) for k, state in enumerate(states)}
+            self.add({states[-1]: 1}, {**feedback, **{key: w * value for key, value in source.items()}})
+        out = {state: (n[-1 - k] - n[0] * d[-1 - k]) * w ** (k - len(states)) for k, state in enumerate(states)}
         self.add({}, {name: -1, **out, **{key: n[0] * value for key, value in source.items()}})
 
     def lag(self, name: str, source: Terms, corner: str | None) -> None:
