@@ -8,7 +8,7 @@ import time
 from collections.abc import Sequence
 
 from judge import judge
-from random_specs import certified, parsed, random_spec
+from random_specs import accepted, certified, extended_spec, parsed, random_spec
 from tally import Tally, command
 
 from robimp.synthesis.check import check_bytes
@@ -26,10 +26,11 @@ def expected_code(certificate: dict[str, object]) -> int:
 
 
 def examine(seeds: Sequence[int]) -> Tally:
-    found = Tally()
+    found, features = Tally(), accepted()
     for seed in seeds:
+        extended = bool(features) and seed % 3 == 2
         try:
-            spec = parsed(random_spec(seed))
+            spec = parsed(extended_spec(seed, features) if extended else random_spec(seed))
         except InputError as error:
             found.count("specifications refused")
             found.expect("nominal" in str(error) or "table" in str(error), f"{seed}: refused: {error}")
@@ -43,6 +44,7 @@ def examine(seeds: Sequence[int]) -> Tally:
         verdict = check_bytes(json.dumps(certificate).encode())
         found.measure("seconds of one check", time.process_time() - began)
         found.count("joints")
+        found.count("  of these with sampling, ranges, tables, two-ports, noise or tolerance", int(extended))
         found.count(f"joints with exit code {verdict.exit_code}")
         found.expect(verdict.exit_code == expected_code(certificate), f"{seed}: checker: {verdict.message}")
         for id, form, status, message in verdict.claims:

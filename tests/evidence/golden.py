@@ -9,7 +9,7 @@ import json
 import sys
 from pathlib import Path
 
-from tampering import twins
+from tampering import twins, valid
 
 from robimp.synthesis import load, synthesize
 from robimp.synthesis.check import check_bytes
@@ -43,6 +43,10 @@ def main() -> None:
         else:  # an honest certificate of a refuted claim
             write(REJECT / f"{path.stem}.json", data)
             expected[f"must-reject/{path.stem}.json"] = {"exit_code": 4, "why": verdict.message}
+    for twin in valid(proven[BASE]):
+        file = f"golden/{BASE}--{twin.name}.json"
+        write(DATA / file, twin.data)
+        expected[file] = {"exit_code": 0, "why": twin.why}
     for name, data in proven.items():
         for twin in twins(data, every=name == BASE):
             file = f"must-reject/{name}--{twin.name}.json"

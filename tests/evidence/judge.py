@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable, Iterator
+from fractions import Fraction
 from functools import cached_property
 from itertools import product
 from typing import Any
 
 import numpy as np
+from instances import at, instances, nominal, perturbed
 from physics import Complex, Json, Real, num, numbers, rational_at, system
 
 TOLERANCE = 1e-7  # of floats, relative to the terms compared
@@ -24,8 +26,11 @@ class Joint:
         self.s = 1j * omega
         self.nominal, self.m = (self.stiffness(numbers(spec[key])) for key in ("plant", "impedance"))
         self.free = system(spec, controller, None)
-        weight = spec["uncertainty"]["weight"]
+        weight, table = (spec["uncertainty"].get(key) for key in ("weight", "table"))
         self.weight = np.zeros_like(omega) if weight is None else np.abs(rational_at(weight, self.s))
+        if table:  # on top of it: 1 + V = (1 + W_w)(1 + W_t)
+            points = np.array([[num(value) for value in point] for point in table["points"]])
+            self.weight = (1 + self.weight) * (1 + np.interp(omega, *points.T)) - 1
 
     def stiffness(self, load: Any) -> Complex:
         """`I s² + B s + K`; each of I, B, K a number, or one for every frequency."""
@@ -34,8 +39,9 @@ class Joint:
 
     @cached_property
     def ideal(self) -> Joint:
-        """The same joint behind an ideal actuator."""
-        return Joint({**self.spec, "actuator": {"type": "ideal"}}, self.controller, self.omega)
+        """The same joint behind an ideal actuator: no hold either, which belongs to H."""
+        spec = {**self.spec, "actuator": {"type": "ideal"}, "sampling": None}
+        return Joint(spec, self.controller, self.omega)
 
     @cached_property
     def wall(self) -> dict[str, Complex]:
@@ -132,6 +138,12 @@ def _friction(j: Joint, v: float, g: Complex, around: Complex) -> Slack:
     return Y.real - v, np.abs(Y) + abs(v)
 
 
+def _noise(j: Joint, v: float, g: Complex, around: Complex) -> Slack:
+    """Torque command at the wall for noise of the torque sensor."""
+    locked = system(j.spec, j.controller, None, wall=True).response(j.omega, "noise")
+    return _below(np.abs(locked["τ_d"]), np.full_like(j.omega, v))
+
+
 def _rendering(j: Joint, v: float, g: Complex, around: Complex) -> Slack:
     Z = j.port(g / (1 + around * j.weight))
     return v * np.abs(j.m) - np.abs(Z - j.m), np.abs(Z) + np.abs(j.m)
@@ -146,13 +158,15 @@ STATEMENTS: dict[tuple[str, str], Callable[[Joint, float, Complex, Complex], Sla
     ("eq12", "structured"): _passive(False),
     ("friction", "strictly-positive-real"): _friction,
     ("rendering", "every-load"): _rendering,
+    ("noise", "command"): _noise,
     **{
         ("eq18", f"{form}/{coupling}"): _eq18(form, coupling)
         for form in ("paper", "lumped", "half-plane")
         for coupling in ("frozen", "physical")
     },
 }
-WITHOUT_LOAD = {"bandwidth", "peak"}
+WITHOUT_LOAD = {"bandwidth", "peak", "noise"}
+STABILITY = {"hurwitz", "winding", "box"}
 
 
 def decay(spec: Json, controller: Json, end: str) -> float:
@@ -171,37 +185,89 @@ def judge(certificate: Json, seed: int, points: int = 600, inside: int = 3, phas
     spec, controller = certificate["spec"], certificate["controller"]
     for claim in certificate["claims"]:
         kind, name = (claim["id"], claim["form"]), f"{claim['id']} {claim['form']}"
-        if kind not in STATEMENTS and claim["form"] != "hurwitz":
-            continue
-        judged += 1
-        if claim["form"] == "hurwitz":
-            rate = decay(spec, controller, claim["id"].removeprefix("stability-"))
-            if claim["status"] == "proven" and rate < num(claim["margin"]) - 1e-5 * max(1, abs(rate)):
-                faults.append(f"{name}: proven at {num(claim['margin']):.9g}, the slowest mode decays at {rate:.9g}")
-            if claim["refuted_at"] and rate > num(claim["refuted_at"]["value"]) + 1e-5 * max(1, abs(rate)):
-                faults.append(f"{name}: refuted, the slowest mode decays at {rate:.9g}")
+        judged += kind in STATEMENTS or claim["form"] in STABILITY or claim["id"] == "tolerance"
+        if claim["form"] in STABILITY:
+            faults += [f"{name}: {fault}" for fault in _stability(spec, controller, claim, rng)]
+        if claim["id"] == "tolerance" and claim["status"] == "proven":
+            faults += [f"{name}: {fault}" for fault in _tolerance(certificate, claim, rng, points)]
+        if kind not in STATEMENTS:
             continue
         if claim["status"] == "proven":
             lo, hi = (_place(end) for end in claim["interval"])
-            joint = Joint(spec, controller, np.geomspace(lo, max(hi, lo * (1 + 1e-12)), points))
-            worst = _worst(joint, kind, num(claim["margin"]), rng, inside, phases)
-            if worst[0] < -TOLERANCE:
-                faults.append(f"{name}: proven at {claim['margin']}, off by {worst[0]:.3g} at ω = {worst[1]:.9g}")
+            omega = np.geomspace(lo, max(hi, lo * (1 + 1e-12)), points)
+            for one in instances(spec, rng):
+                worst = _worst(Joint(one, controller, omega), kind, num(claim["margin"]), rng, inside, phases)
+                if worst[0] < -TOLERANCE:
+                    faults.append(f"{name}: proven at {claim['margin']}, off by {worst[0]:.3g} at ω = {worst[1]:.9g}")
         witness = claim["refuted_at"]
-        if witness and LOW <= (at := float("inf") if witness["omega"] == "inf" else num(witness["omega"])) <= HIGH:
+        if witness and LOW <= (omega := np.inf if witness["omega"] == "inf" else num(witness["omega"])) <= HIGH:
             turns = _turns(spec, kind)
-            joint = Joint(spec, controller, np.full(4096 if turns else 1, at))  # every phase of Δ
+            joint = Joint(at(spec, witness), controller, np.full(4096 if turns else 1, omega))  # every phase of Δ
             load = witness["load"] and joint.stiffness(numbers(witness["load"]))
             worst = _worst(joint, kind, num(witness["value"]), rng, 0, 0, load)
             if worst[0] > (1e-3 if turns else TOLERANCE):
-                faults.append(f"{name}: refuted at ω = {at:.9g}, holds there by {worst[0]:.3g}")
+                faults.append(f"{name}: refuted at ω = {omega:.9g}, holds there by {worst[0]:.3g}")
     return judged, faults
+
+
+def _stability(spec: Json, controller: Json, claim: Json, rng: random.Random) -> Iterator[str]:
+    """What the modes say against a claim about them: their decay, or how many do not decay with the hold."""
+    end, twin = claim["id"].removeprefix("stability-"), claim["refuted_at"]
+    if claim["form"] == "hurwitz":
+        rate = decay(nominal(spec), controller, end)
+        if claim["status"] == "proven" and rate < num(claim["margin"]) - 1e-5 * max(1, abs(rate)):
+            yield f"proven at {num(claim['margin']):.9g}, the slowest mode decays at {rate:.9g}"
+        if twin and rate > num(twin["value"]) + 1e-5 * max(1, abs(rate)):
+            yield f"refuted, the slowest mode decays at {rate:.9g}"
+        return
+    v = Fraction(claim["margin"] or 1) if claim["form"] == "box" else Fraction(0)
+    for one in instances(spec, rng, v, loads=end == "free"):
+        load = numbers(one.get("true load") or one["plant"])
+        modes = system(one, controller, load, wall=end == "locked").unstable()
+        if claim["status"] == "proven" and modes:
+            yield f"proven at {claim['margin']}, {modes} modes do not decay for {one}"
+    if twin and claim["form"] == "box":
+        one = at(spec, twin)
+        load = numbers(twin["load"] or one["plant"])
+        if not system(one, controller, load, wall=end == "locked").unstable():
+            yield f"refuted, every mode decays at {twin}"
+
+
+def _tolerance(certificate: Json, claim: Json, rng: random.Random, points: int) -> Iterator[str]:
+    """Controllers within the tolerance: stable, and the other required claims at the level asked for."""
+    spec = certificate["spec"]
+    for _ in range(4):
+        controller = perturbed(certificate["controller"], rng, Fraction(claim["margin"]))
+        one = nominal(spec)
+        for wall in (False, True):
+            if modes := system(one, controller, numbers(one["plant"]), wall=wall).unstable():
+                yield f"{modes} modes do not decay with {controller}"
+        for other in certificate["claims"]:
+            kind = (other["id"], other["form"])
+            if not other["required"] or kind not in STATEMENTS:
+                continue
+            lo, hi = (_place(end) for end in other["interval"])
+            joint = Joint(one, controller, np.geomspace(lo, max(hi, lo * (1 + 1e-12)), points))
+            worst = _worst(joint, kind, required_level(spec, kind), rng, 1, 1)
+            if worst[0] < -TOLERANCE:
+                yield f"{kind} fails by {worst[0]:.3g} at ω = {worst[1]:.9g} with {controller}"
+
+
+def required_level(spec: Json, kind: tuple[str, str]) -> float:
+    """The level a specification asks of a claim."""
+    asked = spec["constraints"]
+    levels = {"peak": asked["peak"], "rendering": spec["objective"]["rendering_error"], "bandwidth": "0"}
+    levels |= {"noise": (asked.get("noise") or {}).get("gain"), "friction": "0"}
+    if kind[0] == "eq12" and kind[1] != "paper":
+        return num(asked["eq12"]["margin"])
+    return num(levels.get(kind[0]) or "1")
 
 
 def _turns(spec: Json, kind: tuple[str, str]) -> bool:
     """Whether the claim's slack depends on the phase of Δ, or only on its modulus."""
     shaken = kind[0] in ("friction", "rendering") or kind == ("eq12", "structured")
-    return kind == ("eq12", "disc") or (shaken and spec["uncertainty"]["weight"] is not None)
+    disturbed = any(spec["uncertainty"].get(key) is not None for key in ("weight", "table"))
+    return kind == ("eq12", "disc") or (shaken and disturbed)
 
 
 def _worst(

@@ -19,6 +19,7 @@ Json = Any
 Complex = NDArray[np.complex128]
 Real = NDArray[np.float64]
 Terms = dict[str, float]
+HELD, SENSED = "τ_d held", "τ_int sensed"
 FAR = 1e8  # eigenvalues beyond are those at infinity, of the algebraic equations
 
 
@@ -104,6 +105,29 @@ class System:
     F: Real
     A: Real
     inputs: dict[str, Real]
+    hold: tuple[float, float] | None = None  # sampling time and delay [s] of the torque command
+
+    def matrix(self, omega: Real, load: Complex | None = None, *, held: bool = True) -> Complex:
+        """`sF − A` at every frequency, with the hold on the command, and the load's row by g(jω) θ = …."""
+        s = 1j * omega
+        M = s[:, None, None] * self.F - self.A
+        if self.hold and held:
+            T, delay = self.hold
+            row = next(k for k, a in enumerate(self.A) if a[self.names.index(HELD)] == -1 and np.count_nonzero(a) == 2)
+            M[:, row, self.names.index("τ_d")] *= np.exp(-s * delay) * -np.expm1(-s * T) / (s * T)
+        if load is not None:
+            M[:, -1, :] = -self.A[-1]
+            M[:, -1, self.names.index("θ")] = load
+        return M
+
+    def unstable(self, points: int = 20_000) -> int:
+        """Modes that do not decay: those without the hold, and how often the determinant turns because of it."""
+        without = int(np.sum(self.poles().real >= 0))
+        if self.hold is None:
+            return without
+        omega = np.concatenate([[1e-6], np.geomspace(1e-3, 300 / self.hold[0], points)])
+        ratio = np.linalg.det(self.matrix(omega)) / np.linalg.det(self.matrix(omega, held=False))
+        return without - round((np.unwrap(np.angle(ratio))[-1] - np.angle(ratio)[0]) / np.pi)
 
     def poles(self) -> Complex:
         """Finite eigenvalues."""
@@ -112,13 +136,8 @@ class System:
         return found[np.isfinite(found) & (np.abs(found) < FAR)]
 
     def response(self, omega: Real, given: str, load: Complex | None = None) -> dict[str, Complex]:
-        """Every unknown for the input 1 at each frequency; `load` [n] replaces the load's row by g(jω) θ = ….`."""
-        s = 1j * omega
-        M = s[:, None, None] * self.F - self.A
-        if load is not None:
-            row, column = len(self.names) - 1, self.names.index("θ")
-            M[:, row, :] = -self.A[row]
-            M[:, row, column] = load
+        """Every unknown for the input 1 at each frequency; `load` [n] replaces the load's row by g(jω) θ = …."""
+        M = self.matrix(omega, load)
         b = np.broadcast_to(self.inputs[given], (len(omega), len(self.names)))[..., None]
         x = np.linalg.solve(M, b)[..., 0]
         return {name: x[:, k] for k, name in enumerate(self.names)}
@@ -132,16 +151,18 @@ def system(spec: Json, controller: Json, load: Sequence[float] | None, *, wall: 
     force, position, derivative = (filters.get(key) for key in ("force", "position", "derivative"))
     q.add({"θ": 1}, {"v": 1})
     q.add({"v": 1}, {"a": 1})
+    q.add({}, {SENSED: -1, "τ_int": 1}, {"noise": 1})
     m_theta = {"a": Im, "v": Bm, "θ": Km}
     if position is None:  # one filter on the dynamic error
-        q.lag("e", {"τ_int": 1, **{key: -value for key, value in m_theta.items()}}, force)
+        q.lag("e", {SENSED: 1, **{key: -value for key, value in m_theta.items()}}, force)
     else:
-        q.lag("F τ_int", {"τ_int": 1}, force)
+        q.lag("F τ_int", {SENSED: 1}, force)
         q.lag("F_θ m θ", m_theta, None if position == "none" else position)
         q.add({}, {"e": -1, "F τ_int": 1, "F_θ m θ": -1})
     q.lag("F_d (ĝ−m) θ", {"a": I0 - Im, "v": B0 - Bm, "θ": K0 - Km}, derivative)
     q.transfer("C e", {"e": 1}, controller["C"])
     q.add({}, {"τ_d": -1, "C e": 1, "F_d (ĝ−m) θ": 1}, {"command": 1})
+    q.add({}, {HELD: -1, "τ_d": 1})  # times the hold, in `response`
     _actuator(q, spec["actuator"])
     if wall:  # the load does not move: the environment takes up whatever the actuator does
         q.add({}, {"θ": 1})
@@ -153,15 +174,16 @@ def system(spec: Json, controller: Json, load: Sequence[float] | None, *, wall: 
         if load is None:
             rates, values, inputs = q.rows.pop()
             q.rows.append((rates, {key: value for key, value in values.items() if key not in "avθ"}, inputs))
-    return System(*q.matrices())
+    sampling = spec.get("sampling")
+    return System(*q.matrices(), (1 / num(sampling["rate"]), num(sampling["delay"])) if sampling else None)
 
 
 def _actuator(q: Equations, section: Json) -> None:
     if section["type"] == "ideal":
-        q.add({}, {"τ_act": -1, "τ_d": 1})
+        q.add({}, {"τ_act": -1, HELD: 1})
         return
     if section["type"] == "two-port":
-        q.transfer("H τ_d", {"τ_d": 1}, section["transfer"])
+        q.transfer("H τ_d", {HELD: 1}, section["transfer"])
         q.transfer("Z_a θ", {"θ": 1}, section["impedance"])
         q.add({}, {"τ_act": -1, "H τ_d": 1, "Z_a θ": -1})
         return
@@ -171,6 +193,6 @@ def _actuator(q: Equations, section: Json) -> None:
     q.add({"θ_m": 1}, {"v_m": 1})
     q.add({"v_m": J}, {"v_m": -b, "τ_m": 1, "τ_act": -1})
     q.add({}, {"τ_act": -1, "θ_m": k, "θ": -k})
-    q.add({}, {"e_t": -1, "τ_d": 1, "τ_act": -1})
+    q.add({}, {"e_t": -1, HELD: 1, "τ_act": -1})
     q.add({"lagged": 1}, {"lagged": -corner, "e_t": corner})  # kd s/(1 + s/c) e = kd c (e − e/(1 + s/c))
-    q.add({}, {"τ_m": -1, "τ_d": feedforward, "e_t": kp + kd * corner, "lagged": -kd * corner})
+    q.add({}, {"τ_m": -1, HELD: feedforward, "e_t": kp + kd * corner, "lagged": -kd * corner})

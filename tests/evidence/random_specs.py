@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from fractions import Fraction
 from random import Random
 from typing import Any
 
 from robimp.synthesis.certificate.claims import certify
 from robimp.synthesis.certificate.document import document
+from robimp.synthesis.errors import InputError
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.spec import Spec, canonical, parse_spec
 
@@ -25,8 +27,10 @@ def around(rng: Random, value: str) -> list[str]:
 
 
 def _actuator(rng: Random) -> Json:
-    if rng.random() < 0.4:
-        return {"type": "ideal"}
+    return {"type": "ideal"} if rng.random() < 0.4 else _series_elastic(rng)
+
+
+def _series_elastic(rng: Random) -> Json:
     return {
         "type": "series-elastic",
         "motor_inertia": near(rng, 0.01),
@@ -122,6 +126,71 @@ def random_spec(seed: int) -> Json:
         },
         "constraints": _constraints(rng, kind == "both"),
     }
+
+
+def _two_port(rng: Random, spec: Json) -> None:
+    """A torque source with a resonance, and what a light motor adds to the port."""
+    w = Fraction(rng.randint(200, 900))
+    below = ["1", str(w / 2), str(w**2)]
+    spec["actuator"] = {
+        "type": "two-port",
+        "transfer": {"numerator": [str(w**2)], "denominator": below},
+        "impedance": {"numerator": [near(rng, 0.5), "0"], "denominator": below},
+    }
+
+
+def _motor(rng: Random, spec: Json) -> None:
+    if spec["actuator"]["type"] == "series-elastic":
+        keys = rng.sample(["motor_inertia", "motor_damping", "spring_stiffness"], rng.randint(1, 3))
+        spec["uncertainty"]["actuator"] = {key: around(rng, spec["actuator"][key]) for key in keys}
+
+
+def _table(rng: Random, spec: Json) -> None:
+    both = "box" in spec["uncertainty"]
+    points = [[str(k * 10), near(rng, 0.05)] for k in range(rng.randint(1, 4))]
+    if not both or spec["constraints"].get("eq12", {}).get("form", "structured") == "structured":
+        spec["uncertainty"]["table"] = {"points": points, "beyond": "hold"}
+
+
+def _impedances(rng: Random, spec: Json) -> None:
+    for key in rng.sample(["damping", "stiffness"], rng.randint(1, 2)):
+        value = Fraction(spec["impedance"][key])
+        spec["impedance"][key] = [str(value * Fraction(9, 10)), str(value * Fraction(rng.randint(11, 20), 10))]
+
+
+FEATURES: dict[str, Callable[[Random, Json], None]] = {
+    "sampling": lambda rng, spec: spec.update(sampling={"rate": f"{rng.randint(1, 8) * 500} Hz", "delay": "0 s"}),
+    "impedance ranges": _impedances,
+    "uncertain actuator": _motor,
+    "table": _table,
+    "two-port": _two_port,
+    "noise": lambda rng, spec: spec["constraints"].update(noise={"gain": near(rng, 20), "above": "200 rad/s"}),
+    "tolerance": lambda rng, spec: spec["constraints"].update(tolerance="float32"),
+}
+
+
+def accepted() -> list[str]:
+    """The features this version reads: those it does not are left out, not counted as faults."""
+    found = []
+    for name, add in FEATURES.items():
+        spec = random_spec(2)
+        spec["actuator"] = _series_elastic(Random(0))
+        spec["constraints"].pop("eq12", None)
+        add(Random(0), spec)
+        try:
+            parsed(spec)
+        except InputError:
+            continue
+        found.append(name)
+    return found
+
+
+def extended_spec(seed: int, features: list[str]) -> Json:
+    """A random joint with one or two of the features added."""
+    rng, spec = Random(seed), random_spec(seed)
+    for name in rng.sample(features, min(len(features), rng.randint(1, 2))):
+        FEATURES[name](rng, spec)
+    return spec
 
 
 def parsed(spec: Json) -> Spec:

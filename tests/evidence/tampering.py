@@ -92,13 +92,20 @@ def _moved(id: str, factor: str) -> Edit:
 
 
 def _wider(certificate: Json) -> None:
-    proven = scaled(certificate["bandwidth"]["proven"], "11/10")
+    _narrower("11/10")(certificate)
+
+
+def _narrower(factor: str) -> Edit:
+    return lambda certificate: _banded(certificate, scaled(certificate["bandwidth"]["proven"], factor))
+
+
+def _banded(certificate: Json, proven: str) -> None:
     certificate["bandwidth"].update(proven=proven, refuted_at=None)
     for claim in certificate["claims"]:
         if claim["id"] == "bandwidth":
             claim.update(margin=proven, interval=["0", proven], refuted_at=None)
         if claim["id"] == "rendering":
-            claim["interval"] = ["0", proven]
+            claim.update(interval=["0", proven], refuted_at=None)
 
 
 def _without(id: str) -> Edit:
@@ -165,6 +172,9 @@ def _meaning(c: Json) -> Iterator[tuple[str, Edit, int, str]]:
             yield f"{id}-raised", _moved(id, "11/10"), FALSE, f"{id} at a margin at which it fails"
     if "peak" in ids:
         yield "peak-lowered", _moved("peak", "9/10"), FALSE, "a peak lower than the true one"
+    if "friction" in ids:
+        yield "friction-zero", _claim("friction", margin="0", refuted_at=None), FALSE, "friction needs a margin above 0"
+    yield "bandwidth-zero", _narrower("0"), MISMATCH, "no bandwidth at all"
     yield "bandwidth-raised", _wider, FALSE, "a bandwidth 10 % above the true one"
     yield "not-required", _claim("bandwidth", required=False), MISMATCH, "a required claim said not to be"
     yield (
@@ -230,6 +240,27 @@ def _load_outside(c: Json) -> None:
     find(c, "eq9")["refuted_at"]["load"] = {"inertia": "1", "damping": "3/10", "stiffness": "2"}
 
 
+def weaker(c: Json) -> Iterator[tuple[str, Edit, str]]:
+    """True statements weaker than the certificate's, at the very edge of what its specification asks for."""
+    required = {claim["id"] for claim in c["claims"] if claim["required"]}
+    for id, level in (("peak", c["spec"]["constraints"]["peak"]), ("eq9", "1"), ("eq18", "1")):
+        if id in required:
+            yield f"{id}-at-the-limit", _claim(id, margin=level, refuted_at=None), f"{id} at exactly what is asked for"
+    if (eq12 := c["spec"]["constraints"]["eq12"]) and eq12["form"] != "paper":
+        yield "eq12-at-the-limit", _claim("eq12", margin=eq12["margin"], refuted_at=None), "eq12 at what is asked for"
+    yield "no-decay", _claim("stability-free", margin="0", refuted_at=None), "stable, and no more said"
+    yield "narrow", _narrower("1/2"), "half the bandwidth"
+
+
+def valid(data: bytes) -> Iterator[Twin]:
+    """Certificates that must pass, made of one that does."""
+    certificate = json.loads(data)
+    for name, edit, why in weaker(certificate):
+        changed = copy.deepcopy(certificate)
+        edit(changed)
+        yield Twin(name, written(sealed(changed)), 0, why)
+
+
 def twins(data: bytes, every: bool) -> Iterator[Twin]:
     """The tampered twins of a valid certificate: those that fit any, or every one there is."""
     certificate = json.loads(data)
@@ -244,5 +275,11 @@ def twins(data: bytes, every: bool) -> Iterator[Twin]:
         yield from (Twin(name, edited(edit), UNREADABLE, why) for name, edit, why in _format(certificate))
         yield from (Twin(name, edited(edit), code, why) for name, edit, code, why in _meaning_of_base(certificate))
     for name, edit, code, why in _meaning(certificate):
-        if every or name in ("bandwidth-raised", "eq9-raised", "peak-lowered", "without-stability-free"):
+        if every or name in (
+            "bandwidth-raised",
+            "eq9-raised",
+            "peak-lowered",
+            "without-stability-free",
+            "friction-zero",
+        ):
             yield Twin(name, edited(edit), code, why)
