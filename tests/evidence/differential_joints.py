@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import sys
 import time
 from collections.abc import Sequence
+from fractions import Fraction
 
-from judge import judge
-from random_specs import accepted, certified, extended_spec, parsed, random_spec
+from judge import judge, required_level
+from random_specs import Json, accepted, certified, extended_spec, parsed, random_spec
 from tally import Tally, command
+from tampering import sealed, written
 
 from robimp.synthesis.check import check_bytes
 from robimp.synthesis.errors import InputError
@@ -23,6 +26,22 @@ def expected_code(certificate: dict[str, object]) -> int:
     claims: list[dict[str, object]] = certificate["claims"]  # type: ignore[assignment]
     statuses = {claim["status"] for claim in claims if claim["required"]}
     return 4 if "refuted" in statuses else 5 if "undecided" in statuses else 0
+
+
+def too_timid(certificate: Json) -> list[str]:
+    """Required claims the prover leaves undecided and the checker proves at the level asked for."""
+    found = []
+    for claim in certificate["claims"]:
+        kind = (claim["id"], claim["form"])
+        if claim["status"] == "undecided" and claim["required"] and claim["id"] != "bandwidth":
+            changed = copy.deepcopy(certificate)
+            own = next(c for c in changed["claims"] if (c["id"], c["form"]) == kind)
+            own.update(status="proven", margin=str(Fraction(str(required_level(certificate["spec"], kind)))))
+            verdict = check_bytes(written(sealed(changed)))
+            found += [
+                " ".join(kind) for id, form, status, _ in verdict.claims if (id, form, status) == (*kind, "proven")
+            ]
+    return found
 
 
 def examine(seeds: Sequence[int]) -> Tally:
@@ -51,6 +70,8 @@ def examine(seeds: Sequence[int]) -> Tally:
             found.count(f"claims {status if status != 'not verified' else 'refuted'}")
             honest = status != "not verified" or "required, and" in message
             found.expect(honest, f"{seed}: {id} {form}: {message}")
+        for name in too_timid(certificate):
+            found.count(f"undecided by the prover, proven by the checker: seed {seed} {name}")
         judged, faults = judge(certificate, seed)
         found.count("claims judged by floats", judged)
         for fault in faults:
