@@ -3,13 +3,19 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: demo test lint types wheel bench picture clean
+.PHONY: demo test evidence lint types wheel bench picture clean
 
 demo: .venv/installed
 	$(BIN)/robimp synth examples/haninger2016.yaml
 
 test: .venv/installed
 	$(BIN)/python -m pytest -n 2
+
+# The full sizes of tests/evidence; a part of the mutants of the checker is tried for BUDGET seconds.
+BUDGET ?= 600
+evidence: .venv/installed
+	$(BIN)/python tests/evidence/run.py
+	$(BIN)/python tests/evidence/mutation.py --budget $(BUDGET)
 
 lint: .venv/installed
 	$(BIN)/ruff check .

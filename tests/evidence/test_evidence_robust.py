@@ -1,0 +1,72 @@
+"""Edited and sealed certificates, arbitrary bytes, and joints written otherwise: small sizes of the full runs."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import fuzzing
+import metamorphic
+import mutation
+import pytest
+import resealed
+
+from robimp.synthesis.check import check_bytes
+
+
+def test_certificates_edited_and_sealed_again() -> None:
+    found = resealed.examine(range(resealed.SMALL))
+    assert found.faults == []
+    assert found.counts["with the specification: exit code 6"] > 5
+
+
+def test_an_edit_of_the_specification_never_passes_with_it() -> None:
+    told = [resealed.edited(seed) for seed in range(400)]
+    changed = [(what, after, before) for what, before, after in told if after["spec"] != before["spec"]]
+    assert len(changed) > 50
+    passed = sum(check_bytes(resealed.written(after)).exit_code == 0 for _, after, _ in changed[:60])
+    assert passed > 0, "control: none is true of another joint, then --spec is not needed"
+
+
+def test_readers_answer_whatever_the_bytes() -> None:
+    found = fuzzing.examine(range(fuzzing.SMALL))
+    assert found.faults == []
+    assert found.counts["YAML: read"] > 5 and found.counts["JSON, sealed again: exit code 2"] > 5
+
+
+def test_the_fuzz_notices_another_exception(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(fuzzing, "parse_spec", broken)
+    assert any("ZeroDivisionError" in fault for fault in fuzzing.examine(range(8)).faults)
+
+
+def test_joints_written_otherwise() -> None:
+    found = metamorphic.examine(range(metamorphic.SMALL))
+    assert found.faults == []
+    assert found.counts["margins compared"] > 20 and found.counts["bigger weights"] > 0
+
+
+def test_the_mutator_changes_one_thing_at_a_time(tmp_path: Path) -> None:
+    file = tmp_path / "small.py"
+    file.write_text("def f(a, b):\n    if a < b and not b:\n        demand(a)\n    return min(a, b) + 1\n")
+    found = {(m.line, m.change) for m in mutation.mutants(file)}
+    assert found >= {(2, "Lt to LtE"), (2, "And to Or"), (2, "not removed"), (2, "condition to True"), (3, "removed")}
+    assert found >= {(4, "min to max"), (4, "Add to Sub"), (4, "1 to 2"), (4, "returns None")}
+    sources = [m.source for m in mutation.mutants(file)]
+    assert len(set(sources)) == len(sources)
+    assert all(ast.parse(source) for source in sources)
+
+
+def test_a_mutant_of_the_checker_is_noticed(tmp_path: Path) -> None:
+    """Positivity without its lower bound proves anything: the corpus says so at once."""
+    folder = mutation.workshop(tmp_path)
+    quick = mutation.TESTS[:1]
+    assert mutation.killed(folder, quick) is None
+    file = mutation.ROOT / mutation.CHECK / "polynomials.py"
+    wrong = next(m for m in mutation.mutants(file) if m.place == "decays_faster" and m.change == "LtE to Lt")
+    worse = next(m for m in mutation.mutants(file) if m.place == "decays_faster" and m.change == "LtE to Gt")
+    assert wrong.source != worse.source
+    (folder / mutation.CHECK / "polynomials.py").write_text(worse.source, encoding="utf-8")
+    assert "test_a_file_gets_its_exit_code" in (mutation.killed(folder, quick) or "")
