@@ -8,8 +8,9 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
+from .check import check_file as check  # now: loaded later, the folder itself would take the name
+
 if TYPE_CHECKING:
-    from .check import check_file as check
     from .errors import ExitCode, InfeasibleError, InputError, MismatchError, RefutedError, RobimpError, UndecidedError
     from .pipeline import Result, synthesize
     from .simulation import verify as simulate
@@ -38,7 +39,6 @@ __all__ = [
 
 _HOME = {
     "bound": (".solve.bound", "bound"),
-    "check": (".check", "check_file"),
     "load": (".spec", "load_spec"),
     "parse": (".spec", "parse_spec"),
     "simulate": (".simulation", "verify"),

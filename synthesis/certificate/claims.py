@@ -14,7 +14,6 @@ from ..problem.setting import Setting
 from .band import prove_bandwidth
 from .claim import Claim
 from .enclosure.claims import (
-    family_of,
     prove_boxes,
     prove_constraints,
     prove_tolerance,
@@ -22,6 +21,7 @@ from .enclosure.claims import (
     required_of,
     tolerant,
 )
+from .enclosure.joint import family_of
 from .enclosure.prover import CellProver
 from .enclosure.stability import excluded
 from .enclosure.tolerance import Required, holds, weakest

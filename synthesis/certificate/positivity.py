@@ -1,7 +1,7 @@
 """Exact sign of polynomials and sums of square roots on [x₀, x₁] ⊆ [0, ∞], x = ω². Three outcomes, never a guess.
 
 One variable: FLINT isolates the real roots; between them one exact sample decides. With up to two square roots the
-inequality is squared to polynomial positivity; with more, balls (Arb) on adaptively halved cells decide.
+inequality is squared to polynomial positivity; with more, it is left undecided here, and to cells (`enclosure`).
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from flint import arb, ctx, fmpq, fmpq_poly
 
 from .bivariate import Bivariate, bernstein, degree, halves, minus, times
-from .cells import holds_on_cells
 from .lowering import SumOfRoots, strip
 from .outcome import Interval, Outcome, all_of
 from .roots import complex_roots
@@ -50,7 +49,7 @@ def holds(inequality: SumOfRoots, interval: Interval, *, strict: bool) -> Outcom
     """Whether `Σ√A ≤ √B` or `≤ R` (strict, for squared ones: <) at every x of the closed interval, ∞ included."""
     inequality, strict = strip(inequality), strict or inequality.strict
     if len(inequality.radicands) > 2:
-        return holds_on_cells(inequality, interval)
+        return Outcome.UNDECIDED
     outcomes = []
     for needed in obligations(inequality, strict=strict):
         outcomes.append(positive(needed.p, interval, strict=needed.strict, D=needed.D))

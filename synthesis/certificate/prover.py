@@ -14,6 +14,8 @@ from ...models.rational import ONE, ZERO, RationalFunction, S, at_infinity, at_z
 from ..problem.constraints.inequality import Constraint, Gain, Role, Variable
 from ..problem.grid import Evaluator, float_roots, grid
 from ..problem.setting import Setting
+from .enclosure.joint import family_of
+from .enclosure.prover import CellProver
 from .lowering import SumOfRoots, abs2, lower
 from .outcome import Interval, Outcome, all_of
 from .positivity import holds
@@ -59,9 +61,19 @@ class Prover:
                 outcomes.append(holds(lowered, interval, strict=_strict(constraint)))
                 if outcomes[-1] is Outcome.REFUTED:
                     return Outcome.REFUTED
+        if Outcome.UNDECIDED in outcomes:  # three roots or more, or two sides that touch along a segment
+            outcomes = [self.on_cells(constraint, v)]
         if constraint.positive_real and self._failing_end(constraint) is not None:
             return Outcome.REFUTED
         return all_of(outcomes)
+
+    def on_cells(self, constraint: Constraint, v: Fraction) -> Outcome:
+        """The same by enclosures, which know no equality."""
+        subject = self.subject
+        found = CellProver(family_of(subject.setting, subject.compensator)).decide([(constraint, v)])
+        if found.low > 0:
+            return Outcome.PROVEN
+        return Outcome.REFUTED if found.high < 0 else Outcome.UNDECIDED
 
     def lowered(self, constraint: Constraint, index: int, v: Fraction) -> Iterator[SumOfRoots]:
         """One inequality of a constraint at level v, as polynomials."""

@@ -15,7 +15,7 @@ from ...models.impedance import DynamicStiffness
 from ...models.rational import exact, fraction
 from ..spec.model import Polynomials
 from .bivariate import Bivariate
-from .cells import gap, reversed_sides
+from .gap import gap, reversed_sides
 from .lowering import SumOfRoots, strip
 from .outcome import Interval
 from .positivity import obligations

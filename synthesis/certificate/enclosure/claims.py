@@ -14,7 +14,7 @@ from ..claim import Claim, Refutation
 from ..outcome import Outcome
 from ..witness import short
 from .band import prove_bandwidth
-from .joint import Family
+from .joint import family_of
 from .prover import NEAR, CellProver
 from .stability import largest_spread, turns
 from .tolerance import holds, levels, twin, weakest
@@ -25,12 +25,6 @@ WHAT = {
     "free": ("denominator of (8) and (17)", "every mode in free motion"),
     "locked": ("1 + HCF", "every mode against a rigid wall"),
 }
-
-
-def family_of(setting: Setting, C: Compensator) -> Family:
-    """The family of joints that share a compensator, by the coefficients of Q or C_imp."""
-    den = C.den + C.num if setting.spec.controller.type == "dob" else C.den
-    return Family(setting, C.num, den)
 
 
 def prove_constraints(setting: Setting, C: Compensator) -> Iterator[Claim]:

@@ -77,6 +77,12 @@ class Family:
         return values
 
 
+def family_of(setting: Setting, C: Compensator) -> Family:
+    """The family of joints that share a compensator, by the coefficients of Q or C_imp."""
+    den = C.den + C.num if setting.spec.controller.type == "dob" else C.den
+    return Family(setting, C.num, den)
+
+
 @dataclass(frozen=True, eq=False)
 class JointOnCells:
     """Everything the constraints need, on one set of cells."""

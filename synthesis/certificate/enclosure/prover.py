@@ -71,6 +71,7 @@ class CellProver:
                 found.append(right - left)
         return found
 
+    @np.errstate(all="ignore")
     def hardest(self, constraint: Constraint) -> Claim:
         """Prove at the hardest level, with its twin; if the required level fails, refute it with a witness."""
         found = minimum(
@@ -96,6 +97,7 @@ class CellProver:
             return claim_of(constraint, Outcome.REFUTED, None, replace(twin, value=level))
         return claim_of(constraint, Outcome.UNDECIDED, None, None)
 
+    @np.errstate(all="ignore")
     def decide(self, wanted: Sequence[tuple[Constraint, Fraction]]) -> Minimum:
         """Whether constraints hold at given levels on their bands, all together where the bands agree."""
         worst = Minimum(np.inf, np.inf, None)
