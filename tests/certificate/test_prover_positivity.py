@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robimp.synthesis.certificate.bivariate import bernstein, halves, minus, times, valuation
-from robimp.synthesis.certificate.cells import reversed_sides
+from robimp.synthesis.certificate.gap import reversed_sides
 from robimp.synthesis.certificate.lowering import SumOfRoots, strip
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.certificate.positivity import holds, positive, positive_univariate

@@ -18,6 +18,7 @@ import numpy as np
 from flint import fmpq_poly
 
 from ....models.rational import exact
+from ...problem.grid import float_roots
 from ..hurwitz import is_hurwitz
 from ..outcome import Outcome
 from ..witness import Witness, short
@@ -31,8 +32,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 WHOLE = (Fraction(0), None)
-ROUNDS, MOST_CELLS = 24, 8_000
+ROUNDS, MOST_CELLS = 24, 30_000
 LARGEST_SPREAD = 1000.0
+REFINEMENTS, BASINS = 5, 8  # of the grid around its lowest minima
+DENSE = 6000  # frequencies where the spread is looked for first
 DECADES = np.geomspace(0.1, 1e-8, 8)  # towards the ends of the axis
 Function = Callable[[JointOnCells], Wave]
 ENDS: dict[str, Function] = {"free": JointOnCells.free, "locked": JointOnCells.locked}
@@ -118,7 +121,7 @@ def largest_spread(family: Family, end: str) -> Spread:
             proven = value
             break
     if proven is None and v > 1 and excluded(CellProver(replace(family, spread=Fraction(1), loads=True)), end):
-        proven = Fraction(1)
+        proven = _bisected(family, end, min(v, LARGEST_SPREAD))
     refuted, witness = None, None
     if t is not None:
         for tightness in (1e-3, 4e-3, 1e-2, 0.05):
@@ -132,6 +135,18 @@ def largest_spread(family: Family, end: str) -> Spread:
     return Spread(
         Outcome.REFUTED if refuted is not None and refuted <= 1 else Outcome.UNDECIDED, None, refuted, witness
     )
+
+
+def _bisected(family: Family, end: str, v: float) -> Fraction:
+    """The largest spread below v that a few proofs reach, given that 1 is proven."""
+    low, high = 1.0, v
+    for _ in range(7):
+        middle = short((low * high) ** 0.5, up=False)
+        if middle > 1 and excluded(CellProver(replace(family, spread=middle, loads=True)), end):
+            low = float(middle)
+        else:
+            high = float(middle)
+    return short(low, up=False)
 
 
 def excluded(prover: CellProver, end: str) -> bool:
@@ -195,16 +210,25 @@ def _critical(family: Family, end: str) -> Iterator[tuple[float, NDArray[np.floa
     prover = CellProver(replace(family, loads=True))
     m = len(prover.family.parameters)
     omega = np.concatenate([cells.z.mean(axis=0) for cells in prover.axis(WHOLE) if cells.part is Part.MIDDLE])
-    omega = np.concatenate([omega[0] * DECADES[::-1], omega, omega[-1] / DECADES])
-    for _ in range(4):
-        t = np.ones((2, m, omega.size))
-        t[0] = -1.0
-        cells = Cells(Part.MIDDLE, np.vstack([omega, omega]), t)
-        p, q, _, _ = _plane(ENDS[end](JointOnCells(prover.family, cells)))
-        best = _entering(p, omega * q)
-        k = int(np.argmin([v for v, _ in best]))
-        yield best[k][0], best[k][1], float(omega[k])
-        omega = np.geomspace(omega[max(k - 1, 0)], omega[min(k + 1, omega.size - 1)], 200)
+    dense = np.geomspace(omega[0], omega[-1], DENSE)
+    omega = np.unique([*(omega[0] * DECADES), *omega, *dense, *(omega[-1] / DECADES), *_resonances(family, end)])
+    grids = [omega]
+    for _ in range(REFINEMENTS):
+        lowest = []
+        for grid in grids:
+            t = np.ones((2, m, grid.size))
+            t[0] = -1.0
+            cells = Cells(Part.MIDDLE, np.vstack([grid, grid]), t)
+            p, q, _, _ = _plane(ENDS[end](JointOnCells(prover.family, cells)))
+            v, entering = _entering(p, grid * q)
+            padded = np.concatenate([[np.inf], v, [np.inf]])
+            for k in np.flatnonzero((v <= padded[:-2]) & (v <= padded[2:]) & np.isfinite(v)):
+                lowest.append(
+                    (float(v[k]), entering[:, k], float(grid[k]), grid[max(k - 1, 0)], grid[min(k + 1, v.size - 1)])
+                )
+        lowest = sorted(lowest, key=lambda found: found[0])[:BASINS]
+        yield from (found[:3] for found in lowest)
+        grids = [np.geomspace(low, high, 60) for _, _, _, low, high in lowest]
     for part, end_of_axis in ((Part.LOW, 0.0), (Part.HIGH, np.inf)):
         t = np.ones((2, m, 1))
         t[0] = -1.0
@@ -216,32 +240,42 @@ def _critical(family: Family, end: str) -> Iterator[tuple[float, NDArray[np.floa
             yield float(v), -np.sign(slopes) * np.sign(leading.c[0, 0]) * v, end_of_axis
 
 
-def _entering(p: NDArray[np.float64], q: NDArray[np.float64]) -> list[tuple[float, NDArray[np.float64]]]:
-    """Least v with 0 in `f₀ + v·zonotope`, by its edge normals, and the t that gets there. p, q: (2+m, n)."""
-    p, q = np.delete(p, 1, axis=0), np.delete(q, 1, axis=0)  # without the frequency's own coefficient
-    found = []
-    for k in range(p.shape[1]):
-        f = p[:, k] + 1j * q[:, k]
-        best: tuple[float, NDArray[np.float64]] = (0.0, np.zeros(f.size - 1))
-        for j in range(1, f.size):
-            if f[j] == 0:
-                continue
-            across = np.imag(f * np.conj(f[j]))
-            reach = np.abs(across[1:]).sum()
-            v = abs(across[0]) / reach if reach > 0 else np.inf
-            t = -np.sign(across[1:]) * np.sign(across[0]) * v
-            along = np.real(f * np.conj(f[j]))
+def _resonances(family: Family, end: str) -> list[float]:
+    """Frequencies near the roots of the joints at the corners, without hold: where f comes close to 0."""
+    setting, found = family.setting, []
+    C = setting.build(family.numerator, family.denominator)
+    for vertex in setting.vertices():
+        loads = setting.uncertainty.corners() if end == "free" else (setting.loop.nominal,)
+        for load in loads:
+            f = (vertex.loop.free(load) if end == "free" else vertex.loop.locked())(C)
+            for root in float_roots(f):
+                width = max(abs(root.real), 1e-6 * abs(root))
+                found += [abs(root.imag) + width * x for x in np.linspace(-3, 3, 13)]
+    return [omega for omega in found if omega > 0]
+
+
+def _entering(p: NDArray[np.float64], q: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Least v with 0 in `f₀ + v·zonotope`, (n,), by its edge normals, and the t that gets there, (m, n). (2+m, n) each.
+
+    Normal to edge j all other parameters are at ±v; the j-th then has to cancel what is left along the edge.
+    """
+    f = np.delete(p + 1j * q, 1, axis=0)  # without the frequency's own coefficient
+    best, best_t = np.zeros(f.shape[1]), np.zeros((len(f) - 1, f.shape[1]))
+    real = np.abs(f.imag).max(axis=0) < 1e-12 * np.abs(f.real).max(axis=0)
+    for j in range(1, len(f) + 1):
+        edge = f[j] if j < len(f) else np.where(real, 1j, 0)  # on the real line, any other direction
+        across, along = np.imag(f * np.conj(edge)), np.real(f * np.conj(edge))
+        v = np.abs(across[0]) / np.abs(across[1:]).sum(axis=0)
+        t = -np.sign(across[1:]) * np.sign(across[0]) * v
+        if j < len(f):
             t[j - 1] = 0.0
-            t[j - 1] = -(along[0] + along[1:] @ t) / abs(f[j]) ** 2
-            v = max(v, float(np.abs(t).max())) if np.isfinite(v) else np.inf
-            if v > best[0] and abs(t[j - 1]) <= abs(v) * (1 + 1e-9):
-                best = (float(v), t)
-        sizes = np.abs(np.real(f)), np.abs(np.imag(f))
-        if sizes[1].max() < 1e-12 * sizes[0].max():  # on the real line
-            v = sizes[0][0] / max(sizes[0][1:].sum(), 1e-300)
-            best = (float(v), -np.sign(np.real(f[1:])) * np.sign(np.real(f[0])) * v)
-        found.append(best if best[0] > 0 else (np.inf, best[1]))
-    return found
+            t[j - 1] = -(along[0] + (along[1:] * t).sum(axis=0)) / np.abs(edge) ** 2
+            reached = (np.abs(t[j - 1]) <= v * (1 + 1e-9)) & ~real
+        else:
+            reached = real
+        better = reached & (v > best) & np.isfinite(v)
+        best, best_t = np.where(better, v, best), np.where(better, t, best_t)
+    return np.where(best > 0, best, np.inf), best_t
 
 
 def _unstable(family: Family, end: str, value: Fraction, t: NDArray[np.float64], omega: float) -> Witness | None:
