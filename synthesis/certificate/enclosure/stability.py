@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import pairwise
+from itertools import islice, pairwise, product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,12 +35,14 @@ WHOLE = (Fraction(0), None)
 ROUNDS, MOST_CELLS = 24, 30_000
 LARGEST_SPREAD = 1000.0
 REFINEMENTS, BASINS = 5, 8  # of the grid around its lowest minima
+MOST_VERTICES = 128
 DENSE = 6000  # frequencies where the spread is looked for first
 DECADES = np.geomspace(0.1, 1e-8, 8)  # towards the ends of the axis
 Function = Callable[[JointOnCells], Wave]
 ENDS: dict[str, Function] = {"free": JointOnCells.free, "locked": JointOnCells.locked}
 
 
+@np.errstate(all="ignore")
 def turns(prover: CellProver, end: str) -> int | None:
     """Quarter turns of φ(jω) around 0 from ω = 0 to ∞; 0: stable. None: could not be followed."""
     reference = _reference(prover, end)
@@ -110,6 +112,7 @@ class Spread:
     witness: Witness | None
 
 
+@np.errstate(all="ignore")
 def largest_spread(family: Family, end: str) -> Spread:
     """The robust stability margin of a box: the factor on it that keeps every joint stable."""
     critical = list(_critical(family, end))
@@ -130,11 +133,25 @@ def largest_spread(family: Family, end: str) -> Spread:
             if witness is not None:
                 refuted = value
                 break
+    if refuted is None and proven is not None:
+        refuted, witness = _unstable_vertex(family, end, proven)
     if proven is not None and proven >= 1:
         return Spread(Outcome.PROVEN, proven, refuted, witness)
     return Spread(
         Outcome.REFUTED if refuted is not None and refuted <= 1 else Outcome.UNDECIDED, None, refuted, witness
     )
+
+
+def _unstable_vertex(family: Family, end: str, proven: Fraction) -> tuple[Fraction | None, Witness | None]:
+    """A vertex of the box, stretched a little further, that is unstable: where f is not affine in the parameters."""
+    m = len(replace(family, loads=True).parameters)
+    for beyond in (2e-3, 8e-3, 0.03, 0.1, 0.5):
+        value = short(float(proven) * (1 + beyond), up=True)
+        for signs in islice(product((-1.0, 1.0), repeat=m), MOST_VERTICES):
+            witness = _unstable(family, end, value, np.array(signs) * float(value), np.inf)
+            if witness is not None:
+                return value, witness
+    return None, None
 
 
 def _bisected(family: Family, end: str, v: float) -> Fraction:
@@ -149,6 +166,7 @@ def _bisected(family: Family, end: str, v: float) -> Fraction:
     return short(low, up=False)
 
 
+@np.errstate(all="ignore")
 def excluded(prover: CellProver, end: str) -> bool:
     """Whether f(jω) ≠ 0 on [0, ∞] for every parameter of the family."""
     for cells in prover.axis(WHOLE):
@@ -236,7 +254,7 @@ def _critical(family: Family, end: str) -> Iterator[tuple[float, NDArray[np.floa
         leading = f.p if _orders(f, part)[0] <= _orders(f, part)[1] else f.q
         if isinstance(leading, Form):
             slopes = leading.c[2:, 0]
-            v = abs(leading.c[0, 0]) / max(float(np.abs(slopes).sum()), 1e-300)
+            v = min(abs(leading.c[0, 0]) / max(float(np.abs(slopes).sum()), 1e-300), 1e12)
             yield float(v), -np.sign(slopes) * np.sign(leading.c[0, 0]) * v, end_of_axis
 
 

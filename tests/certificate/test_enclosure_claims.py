@@ -1,0 +1,316 @@
+"""Claims proven on cells: against the polynomials where both apply, and against plain floats where only cells do."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from math import factorial
+from typing import Any
+
+import numpy as np
+import pytest
+from certificate_joints import PAPER_Q, random_case, rational, spec, subject
+from flint import fmpq
+
+from robimp.models.controller import Compensator
+from robimp.models.rational import exact, to_float
+from robimp.synthesis.certificate.claim import Claim
+from robimp.synthesis.certificate.claims import certify, counterexamples
+from robimp.synthesis.certificate.enclosure.claims import prove_constraints
+from robimp.synthesis.certificate.enclosure.joint import Family, JointOnCells, family_of
+from robimp.synthesis.certificate.enclosure.prover import CellProver
+from robimp.synthesis.certificate.enclosure.stability import excluded, largest_spread, turns
+from robimp.synthesis.certificate.outcome import Outcome
+from robimp.synthesis.problem.constraints import constraints
+from robimp.synthesis.problem.grid import Evaluator
+from robimp.synthesis.problem.setting import Setting
+from robimp.synthesis.spec.model import ActuatorBox, Impedance, Sampling, Spec, Table
+
+RANGE = Impedance(inertia=Fraction("0.03"), damping=Fraction("0.35"), stiffness=(Fraction("0.2"), Fraction(10)))
+DRIVE = ActuatorBox(
+    motor_inertia=(Fraction("0.009"), Fraction("0.011")), spring_stiffness=(Fraction("4.5"), Fraction(5))
+)
+SAMPLED = Sampling(rate=Fraction(1000), delay=Fraction(1, 1000))
+TABLE = Table(points=((Fraction(1), Fraction("0.05")), (Fraction(100), Fraction("0.3"))), beyond="hold")
+Q = rational(*PAPER_Q)
+
+
+def extended(**changes: Any) -> Spec:
+    """The reference joint with the paper's Q and some of: sampling, impedance, drive, table, tolerance."""
+    base = spec()
+    uncertainty = base.uncertainty.model_copy(update={"actuator": changes.get("drive"), "table": changes.get("table")})
+    demands = base.constraints.model_copy(update={"tolerance": changes.get("tolerance")})
+    return base.model_copy(
+        update={
+            "uncertainty": uncertainty,
+            "constraints": demands,
+            "sampling": changes.get("sampling"),
+            "impedance": changes.get("impedance", base.impedance),
+        }
+    )
+
+
+CASES = {
+    "sampling": {"sampling": SAMPLED},
+    "range": {"impedance": RANGE},
+    "drive": {"drive": DRIVE},
+    "table": {"table": TABLE},
+    "everything": {"sampling": SAMPLED, "impedance": RANGE, "drive": DRIVE, "table": TABLE},
+}
+
+
+@cache
+def claims_of(name: str) -> tuple[Setting, Compensator, tuple[Claim, ...]]:
+    setting, C = subject(extended(**CASES[name]), Q)
+    return setting, C, certify(setting, C)
+
+
+def claim_named(claims: tuple[Claim, ...], id: str, form: str | None = None) -> Claim:
+    return next(c for c in claims if c.id == id and form in (None, c.form))
+
+
+def members(setting: Setting, count: int = 12) -> list[Setting]:
+    """Every vertex of the ranges, and random joints inside."""
+    rng = np.random.default_rng(3)
+    ranges = {f"impedance.{k}": v for k, v in setting.impedances.items()}
+    ranges |= {f"actuator.{k}": v for k, v in setting.actuators.items()}
+    inside = [
+        setting.at(
+            {k: lo + (hi - lo) * exact(Fraction(int(rng.integers(0, 101)), 100)) for k, (lo, hi, _) in ranges.items()}
+        )
+        for _ in range(count if ranges else 1)
+    ]
+    return [*setting.vertices(), *inside]
+
+
+@pytest.mark.parametrize("seed", range(1000, 1012))
+def test_cells_and_polynomials_find_the_same_margins(seed: int) -> None:
+    setting, C = subject(*random_case(seed))
+    by_cells = {(c.id, c.form): c for c in prove_constraints(setting, C)}
+    for exact_claim in certify(setting, C):
+        other = by_cells.get((exact_claim.id, exact_claim.form))
+        if other is None or Outcome.UNDECIDED in (other.status, exact_claim.status):
+            continue
+        assert other.status is exact_claim.status, (exact_claim.id, exact_claim.form)
+        if exact_claim.margin is not None and other.margin is not None and exact_claim.id != "rendering":
+            a, b = float(exact_claim.margin), float(other.margin)
+            assert abs(a - b) <= 0.02 * max(abs(a), abs(b)) + 2e-5, (exact_claim.id, exact_claim.form, a, b)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_what_is_proven_holds_for_every_member_on_a_dense_grid(name: str) -> None:
+    setting, C, claims = claims_of(name)
+    omega = np.geomspace(1e-2, 1e5, 4000)
+    for member in members(setting):
+        X = member.variables(C)
+        for constraint in constraints(member):
+            if constraint.largest_band:
+                continue
+            found = claim_named(claims, constraint.id, constraint.form)
+            if found.status is not Outcome.PROVEN:
+                continue
+            margin = setting.spec.objective.attenuation if constraint.id == "bandwidth" else found.margin
+            banded = replace(constraint, band=found.interval)
+            assert Evaluator(member, omega).worst(banded, float(margin or 0), X)[0] > -1e-9, constraint.id
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_twin_fails_at_its_witness(name: str) -> None:
+    setting, C, claims = claims_of(name)
+    for claim in claims:
+        twin = claim.refuted_at
+        if twin is None or twin.witness is None or claim.form in ("box", "winding", "hurwitz"):
+            continue
+        values = {}
+        for part, names in (("impedance", setting.impedances), ("actuator", setting.actuators)):
+            point = getattr(twin.witness, part)
+            symbols = {"motor_inertia": "J", "motor_damping": "b_m", "spring_stiffness": "K_sp"}
+            values |= {f"{part}.{k}": getattr(point, symbols.get(k, k)) for k in names if point is not None}
+        member = setting.at(values)
+        constraint = next(c for c in constraints(member, claim.id) if c.form == claim.form)
+        level = setting.spec.objective.attenuation if claim.id == "bandwidth" else twin.value
+        at = Evaluator(member, np.array([float(twin.witness.omega or 0) or 1e-4]))
+        assert at.worst(replace(constraint, band=(Fraction(0), None)), float(level), member.variables(C))[0] < 1e-9
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_sandwiches_are_within_one_percent(name: str) -> None:
+    _, _, claims = claims_of(name)
+    for claim in claims:
+        if claim.status is Outcome.PROVEN and claim.form != "winding" and claim.refuted_at is not None:
+            a, b = float(claim.margin or 0), float(claim.refuted_at.value)
+            assert abs(a - b) <= 0.01 * max(abs(a), abs(b)) + 2e-6, (claim.id, claim.form, a, b)
+
+
+def test_the_cases_are_not_empty() -> None:
+    """Control of the three tests above."""
+    for name in CASES:
+        claims = claims_of(name)[2]
+        assert all(c.status is Outcome.PROVEN for c in claims if c.required and c.id != "eq12"), name
+        assert sum(c.refuted_at is not None for c in claims) >= 6
+    assert claim_named(claims_of("range")[2], "eq12").refuted_at.witness.impedance is not None  # type: ignore[union-attr]
+
+
+def test_a_dense_grid_would_notice_a_margin_one_percent_too_hard() -> None:
+    """Control: the comparison with floats can fail."""
+    setting, C, claims = claims_of("range")
+    passive = claim_named(claims, "eq12")
+    omega, too_hard = np.geomspace(1, 1e3, 8000), float(passive.margin or 0) * 1.03
+    worst = [
+        Evaluator(member, omega).worst(next(iter(constraints(member, "eq12"))), too_hard, member.variables(C))[0]
+        for member in setting.vertices()
+    ]
+    assert min(worst) < 0
+
+
+# Stability -----------------------------------------------------------------------------------------------------------
+
+
+def single(asked: Spec, gain: Fraction = Fraction(1)) -> CellProver:
+    setting = Setting.of(asked)
+    numerator = tuple(c * gain for c in Q.numerator)
+    C = setting.compensator(Q.model_copy(update={"numerator": numerator}))
+    return CellProver(replace(family_of(setting, C), single=True))
+
+
+def pade_unstable(prover: CellProver, order: int = 10) -> bool:
+    """Whether 1 + HCF, hold and delay by Padé, has a root to the right of the axis, in floats."""
+    family = prover.family
+    hold = family.setting.loop.actuator.hold
+    assert hold is not None
+    C = family.setting.build(family.numerator, family.denominator)
+    pencil = family.setting.loop.locked()
+    den, num = (
+        np.array([to_float(c) for c in p.coeffs()[::-1]]) for p in (pencil.on_den * C.den, pencil.on_num * C.num)
+    )
+    T, delay = to_float(hold.period), to_float(hold.delay)
+    total = delay + T / 2  # the hold is the mean of delays between delay and delay + T: close to their middle
+    k = range(order + 1)
+    c = [
+        factorial(2 * order - j) * factorial(order) / (factorial(2 * order) * factorial(j) * factorial(order - j))
+        for j in k
+    ]
+    up = np.array([c[j] * (-total) ** j for j in k])[::-1]
+    down = np.array([c[j] * total**j for j in k])[::-1]
+    closed = np.polyadd(np.polymul(den, down), np.polymul(num, up))
+    return bool((np.roots(closed).real > 0).any())
+
+
+@pytest.mark.parametrize("delay", [0, 5, 10, 20, 30, 45, 60, 80, 120])
+def test_the_winding_number_sees_what_delay_does(delay: int) -> None:
+    asked = extended(sampling=Sampling(rate=Fraction(2000), delay=Fraction(delay, 1000)))
+    prover = single(asked, Fraction(9, 8))
+    turned = turns(prover, "locked")
+    assert turned is not None
+    assert (turned != 0) == pade_unstable(prover)
+
+
+def test_delay_makes_both_answers_occur() -> None:
+    """Control of the test above."""
+    answers = set()
+    for delay in (0, 120):
+        prover = single(extended(sampling=Sampling(rate=Fraction(2000), delay=Fraction(delay, 1000))), Fraction(9, 8))
+        answers.add(turns(prover, "locked") != 0)
+    assert answers == {True, False}
+
+
+@pytest.mark.parametrize("seed", range(1000, 1025))
+def test_a_box_is_stable_inside_its_margin_and_unstable_at_its_twin(seed: int) -> None:
+    asked, coefficients = random_case(seed)
+    setting, C = subject(asked, coefficients)
+    box = setting.uncertainty.box
+    if box is None:
+        pytest.skip("no box")
+    found, rng = largest_spread(family_of(setting, C), "free"), np.random.default_rng(seed)
+    if found.outcome is Outcome.PROVEN and found.proven is not None:
+        nominal = setting.loop.nominal
+        nominal_stable = float_stable(setting.loop.free(nominal)(C))
+        for _ in range(60):
+            values = {}
+            for name in ("inertia", "damping", "stiffness"):
+                low, high = getattr(box, name)
+                middle = getattr(nominal, name)
+                share = Fraction(int(rng.integers(-100, 101)), 100)
+                reach = (high - middle) if share > 0 else (middle - low)
+                values[name] = middle + exact(found.proven * share) * reach
+            if nominal_stable:
+                assert float_stable(setting.loop.free(replace(nominal, **values))(C), slack=1e-7)
+    if found.witness is not None and found.witness.load is not None:
+        assert not float_stable(setting.loop.free(found.witness.load)(C), slack=-1e-9)
+
+
+def float_stable(p: Any, slack: float = 0.0) -> bool:
+    coefficients = np.array([to_float(c / p.leading_coefficient()) for c in p.coeffs()[::-1]])
+    return bool((np.roots(coefficients).real <= slack * np.abs(np.roots(coefficients)).max()).all())
+
+
+def test_an_unstable_box_is_not_excluded() -> None:
+    """Control: a box with a load that makes the joint unstable is never called free of roots on the axis."""
+    setting, C = subject(*random_case(1003))
+    family = family_of(setting, C)
+    found = largest_spread(family, "free")
+    if found.refuted is None:
+        pytest.skip("never unstable")
+    with np.errstate(all="ignore"):
+        assert not excluded(CellProver(replace(family, spread=found.refuted * 2, loads=True)), "free")
+
+
+# Tolerance -----------------------------------------------------------------------------------------------------------
+
+
+@cache
+def tolerant() -> tuple[Setting, Compensator, tuple[Claim, ...]]:
+    setting, C = subject(extended(tolerance=Fraction(1, 2**24)), Q)
+    return setting, C, certify(setting, C)
+
+
+def test_every_controller_within_the_tolerance_has_what_is_required() -> None:
+    setting, _, claims = tolerant()
+    found, end = claim_named(claims, "tolerance"), claim_named(claims, "bandwidth").margin
+    assert found.status is Outcome.PROVEN
+    assert found.margin >= Fraction(1, 2**24)  # type: ignore[operator]
+    rng = np.random.default_rng(11)
+    for _ in range(40):
+        moved = {
+            part: tuple(c * (1 + found.margin * int(rng.choice([-1, 1]))) for c in getattr(Q, part))  # type: ignore[operator]
+            for part in ("numerator", "denominator")
+        }
+        C = setting.compensator(Q.model_copy(update=moved))
+        X = setting.variables(C)
+        for constraint in constraints(setting):
+            if constraint.level is not None:
+                band = (Fraction(0), end) if constraint.on_band else constraint.band
+                omega = np.unique([*np.geomspace(0.1, 1e4, 1500), *([float(end)] if constraint.on_band else [])])
+                worst = Evaluator(setting, omega).worst(replace(constraint, band=band), float(constraint.level), X)
+                assert worst[0] > -1e-12, constraint.id
+
+
+def test_the_twin_of_the_tolerance_names_a_controller_that_fails() -> None:
+    setting, _, claims = tolerant()
+    found, end = claim_named(claims, "tolerance"), claim_named(claims, "bandwidth").margin
+    witness = found.refuted_at.witness  # type: ignore[union-attr]
+    assert witness is not None and witness.controller is not None and witness.claim is not None
+    assert float(found.refuted_at.value) < 1.01 * float(found.margin)  # type: ignore[union-attr, arg-type]
+    constraint = next(c for c in constraints(setting, witness.claim[0]) if c.form == witness.claim[1])
+    X = setting.variables(setting.compensator(witness.controller))
+    banded = replace(constraint, band=(Fraction(0), end)) if constraint.on_band else constraint
+    at = Evaluator(setting, np.array([float(witness.omega or 0)]))
+    assert at.worst(banded, float(constraint.level or 0), X)[0] < 0
+
+
+def test_a_search_is_told_where_a_tolerance_fails() -> None:
+    setting, C = subject(extended(tolerance=Fraction(1, 100)), Q)
+    found = counterexamples(setting, C, 8.87)
+    assert [c.id for c in found] == ["tolerance"]
+    assert np.isfinite(found[0].omega)
+
+
+def test_parameters_are_only_what_is_uncertain() -> None:
+    setting, C = subject(extended(**CASES["everything"]), Q)
+    family = family_of(setting, C)
+    assert set(family.parameters) == {"impedance.stiffness", "actuator.motor_inertia", "actuator.spring_stiffness"}
+    stretched = replace(family, spread=Fraction(2)).parameters["impedance.stiffness"]
+    assert stretched == (fmpq(-47, 10), fmpq(149, 10))
+    assert Family(setting, family.numerator, family.denominator, single=True).parameters == {}
+    assert isinstance(JointOnCells(family, CellProver(family).axis((Fraction(1), Fraction(2)))[0]).setting, Setting)
