@@ -1,8 +1,9 @@
 """The time domain: physics of (1) and (13), integrated; shares no formula with the certificate."""
 
+from .assembly import assemble, poles_against_wall
 from .equations import Compensator, Load, loads
 from .excitation import Excitation, default_frequencies, multisine, step
-from .joint import Joint, Poles, assemble, poles_against_wall
+from .joint import Joint, Poles
 from .measure import MeasuredImpedance, measure_impedance
 from .response import Response, multisine_response, simulate, step_response
 from .sampled import SampledComparison, sampled_comparison, sampled_step

@@ -15,10 +15,11 @@ import numpy as np
 from scipy.linalg import expm
 
 from ..spec.model import Spec
+from .assembly import assemble
 from .block import Block, combination, connect
 from .equations import Compensator, actuator_equations, controller_equations, load_equations, loads
-from .joint import assemble
-from .response import Samples, step_response, trajectory
+from .march import Samples, trajectory
+from .response import step_response
 
 TICKS = 60_000  # longest comparison
 SETTLED = 1e-6

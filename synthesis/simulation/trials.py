@@ -9,9 +9,10 @@ from typing import Any, Literal
 import numpy as np
 
 from ..spec.model import Spec
+from .assembly import assemble, poles_against_wall
 from .equations import Compensator, Load, loads
 from .excitation import Excitation, default_frequencies, multisine, step
-from .joint import Joint, assemble, poles_against_wall
+from .joint import Joint
 from .measure import MeasuredImpedance, measure_impedance
 from .response import Response, simulate
 
@@ -125,10 +126,8 @@ def _summary(joint: Joint, kind: Kind, response: Response, measured: MeasuredImp
 def least_resisted(joint: Joint, low: float, high: float, count: int = 1000) -> float:
     """Frequency in [low, high] [rad/s] where the resistance `Re(τ_int/θ')` of the motion is smallest, on a log grid."""
     omega = np.geomspace(low, high, count)
-    pencil = 1j * omega[:, None, None] * np.eye(len(joint.A)) - joint.A
-    states = np.linalg.solve(pencil, np.broadcast_to(joint.b[:, None], (count, len(joint.A), 1)))
-    velocity = states[:, :, 0] @ joint.system.row("velocity")
-    return float(omega[np.argmin((1 / velocity).real)])
+    resistance = (1 / (1j * omega * joint.compliance(omega))).real
+    return float(omega[np.argmin(resistance)])
 
 
 def _pair(value: complex | None) -> list[float] | None:
