@@ -23,7 +23,7 @@ from .joint import READ, Joint, Poles, resolvent
 from .march import March, Samples, power_form, propagator, repeated
 
 FINE = 0.05  # rad of the fastest excitation in a step
-LONGEST_LINE = 128  # steps of memory
+LONGEST_LINE = 64  # steps of memory
 GONE = 1e-6  # part of a motion that is left after a step: faster eigenvalues are the delay line's own
 ORDER_GAIN = 8  # a step of 2h is at least this many times as wrong as one of h (16 in the limit)
 CLEAR = 0.1  # of the worst pole's decay may be in doubt
