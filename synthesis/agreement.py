@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 IMPEDANCE_TOLERANCE = 1e-6  # relative, beside ten times the measurement's own error estimate
 ENERGY_ROUNDING = 1e-9  # of the largest energy exchanged
 NOMINAL = ("hurwitz", "winding")  # forms of the stability of the nominal joint
+CONTRARY = {True: Outcome.REFUTED, False: Outcome.PROVEN}  # what a simulated joint's being stable contradicts
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ def compare(setting: Setting, compensator: Compensator, claims: tuple[Claim, ...
     for index, trial in enumerate(trials.trials):
         name = f"trial {index} ({trial.kind})"
         nominal = _joint(trial) == _joint(trials.trials[0])
-        if nominal and trial.stable != proven.free:
+        if nominal and proven.free is CONTRARY[trial.stable]:
             contradictions.append(f"nominal load: simulated {_word(trial.stable)}, stability-free is otherwise")
         if proven.every and not trial.stable:
             contradictions.append(f"{name}: unstable, but stability is proven for every {proven.every}")
@@ -76,8 +77,8 @@ def compare(setting: Setting, compensator: Compensator, claims: tuple[Claim, ...
 class Proven:
     """What the claims say that a simulation can contradict; `every`: what stability is proven for, "" for nominal."""
 
-    free: bool
-    locked: bool
+    free: Outcome
+    locked: Outcome
     every: str
     every_actuator: bool
     passive: bool
@@ -85,18 +86,20 @@ class Proven:
     @classmethod
     def by(cls, setting: Setting, claims: tuple[Claim, ...]) -> Proven:
         """From the required claims of stability, and passivity on the whole axis."""
-        status = {(c.id, c.form): c.status is Outcome.PROVEN for c in claims if c.required}
+        status = {(c.id, c.form): c.status for c in claims if c.required}
         free, locked = (
-            any(status.get((f"stability-{end}", form), False) for form in NOMINAL) for end in ("free", "locked")
+            next(status[key] for form in NOMINAL if (key := (f"stability-{end}", form)) in status)
+            for end in ("free", "locked")
         )
-        boxes = free and status.get(("stability-free", "box"), False)
-        every = "joint of the boxes" if boxes else "load" if robustly_stable(setting, claims) else ""
+        boxed = {end for end in ("free", "locked") if status.get((f"stability-{end}", "box")) is Outcome.PROVEN}
+        stable = {end for end, is_ in (("free", free), ("locked", locked)) if is_ is Outcome.PROVEN}
+        every = "joint of the boxes" if "free" in boxed & stable else ""
+        every = every or ("load" if robustly_stable(setting, claims) else "")
         passive = any(
             c.id == "eq12" and c.form == "structured" and c.interval[1] is None and c.status is Outcome.PROVEN
             for c in claims
         )
-        every_actuator = locked and status.get(("stability-locked", "box"), False)
-        return cls(free, locked, every, every_actuator, free and locked and passive)
+        return cls(free, locked, every, "locked" in boxed & stable, len(stable) == 2 and passive)
 
 
 def predicted(setting: Setting, compensator: Compensator, trial: Trial) -> NDArray[np.complex128]:
@@ -120,7 +123,7 @@ def _parameters(setting: Setting, trial: Trial) -> dict[str, fmpq]:
 
 
 def _against_wall(proven: Proven, trials: Trials) -> Iterator[str]:
-    if trials.wall_stable != proven.locked:
+    if proven.locked is CONTRARY[trials.wall_stable]:
         yield f"rigid wall: simulated poles {_word(trials.wall_stable)}, stability-locked is otherwise"
     for wall in trials.other_walls:
         if proven.every_actuator and not wall.stable:

@@ -16,6 +16,7 @@ from .equations import desired
 
 Frequencies = Sequence[float] | NDArray[np.float64]  # (n,) [rad/s]
 
+REMEMBERED = 32.0  # rad that the fastest sine turns within hold and delay: steps as fine as it needs are remembered
 SPAN = 250  # highest over lowest default frequency: bounds the samples a period of the lowest one takes
 
 
@@ -78,6 +79,9 @@ def default_frequencies(spec: Spec, count: int = 12) -> NDArray[np.float64]:
         high = max(high, 3 * np.sqrt(closed))
     if isinstance(actuator, TwoPortActuator):
         high = max([high, *(top for mode in _modes(actuator) if (top := 3 * mode) <= SPAN * low)])
+    if spec.sampling is not None:
+        high = min(high, REMEMBERED / float(1 / spec.sampling.rate + spec.sampling.delay))
+        low = min(low, high / 10)
     low = max(low, high / SPAN)
     return low * np.unique(np.round(np.geomspace(1, high / low, count)))
 
