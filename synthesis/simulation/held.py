@@ -23,6 +23,7 @@ from .joint import READ, Joint, Poles, resolvent
 from .march import March, Samples, power_form, propagator, repeated
 
 FINE = 0.05  # rad of the fastest excitation in a step
+FINEST = 1e-3  # rad of it: finer steps differ by rounding
 LONGEST_LINE = 64  # steps of memory
 GONE = 1e-6  # part of a motion that is left after a step: faster eigenvalues are the delay line's own
 ORDER_GAIN = 8  # a step of 2h is at least this many times as wrong as one of h (16 in the limit)
@@ -45,7 +46,8 @@ class Lags:
         T, T_d = float(1 / sampling.rate), float(sampling.delay)
         parts = max(2, ceil(T * fastest / FINE))
         parts = min(parts, int(LONGEST_LINE * T / (T + T_d)))
-        return cls(T, T_d, T / parts if parts else (T + T_d) / LONGEST_LINE)
+        h = T / parts if parts else (T + T_d) / LONGEST_LINE
+        return cls(T, T_d, max(h, FINEST / fastest))
 
     @property
     def memory(self) -> int:
