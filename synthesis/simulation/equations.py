@@ -61,7 +61,7 @@ def actuator_equations(spec: Spec, command: str = "tau_d") -> list[Block]:
         integrator("phi", "motor_velocity"),
         combination("torque_error", **{command: 1, "tau_sea": -1}),
         transfer("torque_lead", "torque_error", [loop.kd, Fraction(0)], [1 / loop.derivative_corner, Fraction(1)]),
-        combination("tau_m", **{command: loop.feedforward, "torque_error": loop.kp, "torque_lead": 1}),
+        combination("tau_m", torque_error=loop.kp, torque_lead=1, **{command: loop.feedforward}),
     ]
 
 

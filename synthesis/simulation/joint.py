@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,7 +101,7 @@ def wall_equations(spec: Spec, compensator: Compensator, command: str = "tau_d")
     return connect(laws, inputs=_inputs(command), outputs=OUTPUTS)
 
 
-def resolvent(A: Matrix, B: Matrix, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def resolvent(A: Matrix, B: Matrix, s: NDArray[np.complexfloating[Any, Any]]) -> NDArray[np.complex128]:
     """`(s − A)⁻¹ B` for each s: (n,) gives (n, states, columns)."""
     pencil = s[:, None, None] * np.eye(len(A)) - A
     return np.asarray(np.linalg.solve(pencil, np.broadcast_to(B, (len(s), *B.shape))))
