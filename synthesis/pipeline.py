@@ -33,7 +33,6 @@ Progress = Callable[[str], None]
 
 BOUND_TERMS, MOST_TERMS = 40, 160
 FLOAT_DECADES = 1e9  # ratio of frequencies beyond which poles in floating point mean little
-SAMPLING_RATE = 1000.0  # Hz; what the information about sampling is shown for
 VERDICT_CODE = {
     Outcome.PROVEN: ExitCode.PROVEN,
     Outcome.REFUTED: ExitCode.REFUTED,
@@ -115,13 +114,15 @@ def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: f
     if agreement.contradictions:
         raise RobimpError(f"simulation and proof disagree, so nothing is certified: {agreement.contradictions[0]}")
     if agreement.unstable and verdict(claims) is Outcome.PROVEN:
-        load = agreement.unstable[0].load
+        trial = agreement.unstable[0]
+        load, rest = trial.load, (("impedance", trial.impedance), ("actuator", trial.actuator))
+        of_ranges = "".join(f", {name} {value}" for name, value in rest if value is not None)
         raise RefutedError(
             f"unstable with inertia {float(load.inertia):.4g}, damping {float(load.damping):.4g}, stiffness "
-            f"{float(load.stiffness):.4g}, inside the stated uncertainty, which no required claim covers; "
+            f"{float(load.stiffness):.4g}{of_ranges}, inside the stated uncertainty, which no required claim covers; "
             "add eq18: {form: half-plane, coupling: physical} or eq12: {form: structured}"
         )
-    sampled = sampled_comparison(spec, (numbers[0], numbers[1]), SAMPLING_RATE)
+    sampled = sampled_comparison(spec, (numbers[0], numbers[1]))
     demand_none()
     seconds = time.monotonic() - began
     return Result(spec, coefficients, claims, limit, certificate, trials, agreement, sampled, seconds)

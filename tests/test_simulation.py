@@ -99,7 +99,7 @@ VARIANTS = [
 
 
 def star(spec, compensator, load, s):
-    """(★) with separate filters: Z = (Z₀ + H C F_θ G_imp)/(1 + H C F)."""
+    """(★) with separate filters: Z = (Z₀ + H C F_θ G_imp)/(1 + H C F), hold and delay in H."""
 
     def lag(corner):
         return 1 if corner in (None, "none") else 1 / (1 + s / float(corner))
@@ -115,6 +115,9 @@ def star(spec, compensator, load, s):
         K_sp = float(a.spring_stiffness)
         rest = 1 + K_sp * P * (1 + C_t)
         H, Z_a = K_sp * P * (C_t + float(loop.feedforward)) / rest, K_sp / rest
+    if spec.sampling is not None:
+        T, T_d = 1 / float(spec.sampling.rate), float(spec.sampling.delay)
+        H = H * np.exp(-s * T_d) * (1 - np.exp(-s * T)) / (s * T)
     C = np.polyval([float(c) for c in compensator[0]], s) / np.polyval([float(c) for c in compensator[1]], s)
     filters = spec.controller.filters
     F = lag(filters.force)

@@ -16,7 +16,7 @@ def simulate(
     certificate: Annotated[Path, typer.Argument(metavar="CERT", help="Certificate file (JSON).")],
     as_json: Json = False,
 ) -> None:
-    """Move the certified joint in the time domain: every corner of the box; agrees or contradicts."""
+    """Move the certified joint in the time domain: every corner of every box; agrees or contradicts."""
     from ..check import check_bytes
     from ..replay import replay
     from ..report.progress import status_line

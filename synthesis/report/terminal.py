@@ -46,8 +46,9 @@ def show(result: Result, to: Console) -> None:
     if sampled.rms_difference is not None and sampled.rms_theta:
         effect = f"changes the step response by {100 * sampled.rms_difference / sampled.rms_theta:.2g} % rms"
     else:
-        effect = "is unstable" if not sampled.stable else "cannot be compared: the continuous loop is unstable"
-    to.print(f"for information, not certified: sampled at {sampled.rate:g} Hz the controller {effect}")
+        effect = "is unstable" if not sampled.stable else "cannot be compared: the simulated loop is unstable"
+    late = "" if not sampled.delay else f" and {sampled.delay} tick{'s' if sampled.delay > 1 else ''} late"
+    to.print(f"for information, not certified: sampled at {sampled.rate:g} Hz{late} the controller {effect}")
 
 
 def _headline(result: Result) -> str:

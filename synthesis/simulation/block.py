@@ -67,22 +67,52 @@ def transfer(output: str, signal: str, numerator: Sequence[Fraction], denominato
 
     Raises: InputError when the denominator is zero, the law is improper, or a coefficient leaves the range of floats.
     """
-    b, a = _leading(numerator), _leading(denominator)
-    if not a or len(b) > len(a):
-        degrees = f"degree {len(b) - 1} over degree {len(a) - 1}"
-        raise InputError(f"{output}: {degrees} is not a proper rational function of s")
-    order = len(a) - 1
-    b = [Fraction(0)] * (len(a) - len(b)) + [value / a[0] for value in b]
-    a = [value / a[0] for value in a]
-    if order == 0:
-        return combination(output, **{signal: b[0]})
-    scale = _time_scale(a)
-    poles = np.array([_number(output, a[i] / scale**i) for i in range(1, order + 1)])
-    zeros = np.array([[_number(output, (b[i] - b[0] * a[i]) / scale**i) for i in range(1, order + 1)]])
-    feedthrough, rate = np.array([[_number(output, b[0])]]), _number(output, scale)
+    a = leading(denominator)
+    if len(a) == 1:
+        return combination(output, **{signal: _over(output, numerator, a)[0] / a[0]})
+    rate, poles, rows = _companion(output, [numerator], a)
+    order, (zeros, feedthrough) = len(poles), rows[0]
     A = np.eye(order, k=-1)
     A[0] = -poles
-    return balanced(Block((signal,), (output,), rate * A, rate * np.eye(order, 1), zeros, feedthrough))
+    return balanced(
+        Block((signal,), (output,), rate * A, rate * np.eye(order, 1), zeros[None, :], np.array([[feedthrough]]))
+    )
+
+
+def transfers(output: str, numerators: dict[str, Sequence[Fraction]], denominator: Sequence[Fraction]) -> Block:
+    """`output = Σ numerator · signal / denominator` with one state for all: the transpose of `transfer`'s form.
+
+    Raises: as `transfer`.
+    """
+    a, signals = leading(denominator), tuple(numerators)
+    if len(a) == 1:
+        return combination(output, **{name: _over(output, b, a)[0] / a[0] for name, b in numerators.items()})
+    rate, poles, rows = _companion(output, list(numerators.values()), a)
+    A = np.eye(len(poles), k=1)
+    A[:, 0] = -poles
+    B, D = np.column_stack([zeros for zeros, _ in rows]), np.array([[feedthrough for _, feedthrough in rows]])
+    return balanced(Block(signals, (output,), rate * A, B, rate * np.eye(1, len(poles)), D))
+
+
+def _over(law: str, numerator: Sequence[Fraction], a: Sequence[Fraction]) -> list[Fraction]:
+    """The numerator with as many coefficients as the denominator `a`."""
+    b = leading(numerator)
+    if not a or len(b) > len(a):
+        degrees = f"degree {len(b) - 1} over degree {len(a) - 1}"
+        raise InputError(f"{law}: {degrees} is not a proper rational function of s")
+    return [Fraction(0)] * (len(a) - len(b)) + b
+
+
+def _companion(
+    law: str, numerators: Sequence[Sequence[Fraction]], a: Sequence[Fraction]
+) -> tuple[float, Matrix, list[tuple[Matrix, float]]]:
+    """Time scale, monic denominator in it, and the rest and feedthrough of each numerator."""
+    over = [[value / a[0] for value in _over(law, b, a)] for b in numerators]
+    monic, powers = [value / a[0] for value in a] if a else [], range(1, len(a))
+    scale = _time_scale(monic)
+    poles = np.array([_number(law, monic[i] / scale**i) for i in powers])
+    rest = [np.array([_number(law, (b[i] - b[0] * monic[i]) / scale**i) for i in powers]) for b in over]
+    return _number(law, scale), poles, [(zeros, _number(law, b[0])) for zeros, b in zip(rest, over, strict=True)]
 
 
 def balanced(block: Block) -> Block:
@@ -98,7 +128,7 @@ def _number(law: str, value: Fraction | int) -> float:
         raise InputError(f"{law}: a coefficient of size 1e308 or more cannot be simulated") from None
 
 
-def _leading(coefficients: Sequence[Fraction]) -> list[Fraction]:
+def leading(coefficients: Sequence[Fraction]) -> list[Fraction]:
     """Coefficients without leading zeros."""
     first = next((i for i, value in enumerate(coefficients) if value), len(coefficients))
     return list(coefficients[first:])

@@ -1,4 +1,4 @@
-"""The laws of the joint, each equation one block: load (1), series-elastic drive (13), control law (20)."""
+"""The laws of the joint, each equation one block: load (1), actuator (13), control law (20)."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 
-from ..spec.model import Impedance, SeriesElasticActuator, Spec
-from .block import Block, combination, integrator, low_pass, transfer
+from ..spec.model import Interval, SeriesElasticActuator, Spec, TwoPortActuator
+from .block import Block, combination, integrator, leading, low_pass, transfer, transfers
 
 Compensator = tuple[Sequence[Fraction], Sequence[Fraction]]  # C: numerator, denominator, descending powers of s
 
@@ -43,34 +43,45 @@ def load_equations(load: Load) -> list[Block]:
     ]
 
 
-def actuator_equations(spec: Spec) -> list[Block]:
+def actuator_equations(spec: Spec, command: str = "tau_d") -> list[Block]:
     """(13): `J φ'' + b_m φ' = τ_m − τ_sea`, `τ_sea = K_sp (φ − θ)`, `τ_m = λ τ_d + C_t (τ_d − τ_sea)`.
 
-    The ideal actuator is `τ_sea = τ_d`.
+    The ideal actuator is `τ_sea = τ_d`, a two-port `τ_sea = H τ_d − Z_a θ`. `command`: the signal it takes for τ_d.
     """
     actuator = spec.actuator
+    if isinstance(actuator, TwoPortActuator):
+        return _two_port(actuator, command)
     if not isinstance(actuator, SeriesElasticActuator):
-        return [combination("tau_sea", tau_d=1)]
+        return [combination("tau_sea", **{command: 1})]
     J, b_m, K_sp, loop = actuator.motor_inertia, actuator.motor_damping, actuator.spring_stiffness, actuator.torque_loop
     return [
         combination("tau_sea", phi=K_sp, theta=-K_sp),
         combination("motor_acceleration", tau_m=1 / J, tau_sea=-1 / J, motor_velocity=-b_m / J),
         integrator("motor_velocity", "motor_acceleration"),
         integrator("phi", "motor_velocity"),
-        combination("torque_error", tau_d=1, tau_sea=-1),
+        combination("torque_error", **{command: 1, "tau_sea": -1}),
         transfer("torque_lead", "torque_error", [loop.kd, Fraction(0)], [1 / loop.derivative_corner, Fraction(1)]),
-        combination("tau_m", tau_d=loop.feedforward, torque_error=loop.kp, torque_lead=1),
+        combination("tau_m", torque_error=loop.kp, torque_lead=1, **{command: loop.feedforward}),
+    ]
+
+
+def _two_port(actuator: TwoPortActuator, command: str) -> list[Block]:
+    """`τ_sea = H τ_d − Z_a θ`; one denominator means one mechanism, so its modes are there once."""
+    H, Z_a = actuator.transfer, actuator.impedance
+    if leading(H.denominator) == leading(Z_a.denominator):
+        yielded = [-value for value in Z_a.numerator]
+        return [transfers("tau_sea", {command: H.numerator, "theta": yielded}, H.denominator)]
+    return [
+        transfer("pushed", command, H.numerator, H.denominator),
+        transfer("yielded", "theta", Z_a.numerator, Z_a.denominator),
+        combination("tau_sea", pushed=1, yielded=-1),
     ]
 
 
 def controller_equations(spec: Spec, compensator: Compensator) -> list[Block]:
     """(20): `τ_d = C (F τ_int − F_θ G_imp θ) + F_d (Ĝ⁻¹ − G_imp) θ`, G_imp and Ĝ⁻¹ acting on θ, θ', θ''."""
-    wish, plant, filters = spec.impedance, spec.plant, spec.controller.filters
-    gap = Impedance(
-        inertia=plant.inertia - wish.inertia,
-        damping=plant.damping - wish.damping,
-        stiffness=plant.stiffness - wish.stiffness,
-    )
+    wish, plant, filters = desired(spec), spec.plant, spec.controller.filters
+    gap = Load(plant.inertia - wish.inertia, plant.damping - wish.damping, plant.stiffness - wish.stiffness)
     if filters.position is None:  # one filter on the dynamic error, not two copies of it
         error = [
             combination("raw_error", tau_int=1, wish=-1),
@@ -93,7 +104,17 @@ def controller_equations(spec: Spec, compensator: Compensator) -> list[Block]:
     ]
 
 
-def _stiffness(output: str, dynamics: Impedance) -> Block:
+def desired(spec: Spec) -> Load:
+    """The impedance wished for; of a range its middle."""
+    return Load(*(middle(getattr(spec.impedance, name)) for name in ("inertia", "damping", "stiffness")))
+
+
+def middle(value: Fraction | Interval) -> Fraction:
+    """A number, or the middle of an interval."""
+    return (value[0] + value[1]) / 2 if isinstance(value, tuple) else value
+
+
+def _stiffness(output: str, dynamics: Load) -> Block:
     """`output = I θ'' + B θ' + K θ`; terms with a zero coefficient are left out, so that no loop is imagined."""
     weights = {"acceleration": dynamics.inertia, "velocity": dynamics.damping, "theta": dynamics.stiffness}
     return combination(output, **{signal: weight for signal, weight in weights.items() if weight})

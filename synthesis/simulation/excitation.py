@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from ..errors import InputError
-from ..spec.model import SeriesElasticActuator, Spec
+from ..spec.model import SeriesElasticActuator, Spec, TwoPortActuator
 from .block import Block
+from .equations import desired
 
 Frequencies = Sequence[float] | NDArray[np.float64]  # (n,) [rad/s]
 
+REMEMBERED = 32.0  # rad that the fastest sine turns within hold and delay: steps as fine as it needs are remembered
 SPAN = 250  # highest over lowest default frequency: bounds the samples a period of the lowest one takes
 
 
@@ -64,9 +66,10 @@ def multisine(frequencies: Frequencies, torque: float = 1.0) -> Excitation:
 def default_frequencies(spec: Spec, count: int = 12) -> NDArray[np.float64]:
     """About `count` frequencies [rad/s], log-spaced from below the wished impedance to above the drive's resonance.
 
-    They are harmonics of the lowest one, so that whole periods exist and the crest factor means something.
+    Modes of a two-port count as far as the lowest frequency allows. They are harmonics of the lowest
+    one, so that whole periods exist and the crest factor means something.
     """
-    wish, actuator = spec.impedance, spec.actuator
+    wish, actuator = desired(spec), spec.actuator
     I, B, K = (float(value) for value in (wish.inertia, wish.damping, wish.stiffness))  # noqa: E741
     marks = [a / b for a, b in ((K, B), (B, I)) if a > 0 and b > 0]
     marks += [np.sqrt(K / I)] if K > 0 and I > 0 else []
@@ -74,5 +77,17 @@ def default_frequencies(spec: Spec, count: int = 12) -> NDArray[np.float64]:
     if isinstance(actuator, SeriesElasticActuator):
         closed = float(actuator.spring_stiffness * (1 + actuator.torque_loop.kp) / actuator.motor_inertia)
         high = max(high, 3 * np.sqrt(closed))
+    if isinstance(actuator, TwoPortActuator):
+        high = max([high, *(top for mode in _modes(actuator) if (top := 3 * mode) <= SPAN * low)])
+    if spec.sampling is not None:
+        high = min(high, REMEMBERED / float(1 / spec.sampling.rate + spec.sampling.delay))
+        low = min(low, high / 10)
     low = max(low, high / SPAN)
     return low * np.unique(np.round(np.geomspace(1, high / low, count)))
+
+
+def _modes(actuator: TwoPortActuator) -> list[float]:
+    """Natural frequencies [rad/s] of the pairs of poles of a two-port."""
+    denominators = (actuator.transfer.denominator, actuator.impedance.denominator)
+    roots = np.concatenate([np.roots([float(c / max(map(abs, den))) for c in den]) for den in denominators])
+    return [float(abs(root)) for root in roots if root.imag > 0]

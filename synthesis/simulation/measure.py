@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from ..errors import InputError, RobimpError
 from .excitation import Excitation
 from .joint import Joint
-from .response import Response, Samples, simulate
+from .march import Samples
+from .response import Response, simulate
 
 SAMPLES_PER_CYCLE = 20  # of the highest frequency
 FADED = 1e-13  # a transient below this fraction is rounding
@@ -31,7 +32,8 @@ def measure_impedance(joint: Joint, excitation: Excitation, periods: float = 4) 
 
     The fit lasts `periods` of the smallest distance between frequencies (or of the lowest one).
     Waiting ends when transients have faded, or after as long again: modes still alive are then fitted along.
-    The error estimate is the disagreement between the two halves of the fitted time plus the residual.
+    The error estimate is the disagreement between the two halves of the fitted time, the residual, and what the steps
+    of a held joint cost.
 
     Raises: InputError when the frequencies are too close, or too far apart, for a record of bounded length;
     RobimpError, with the worst pole, when the joint is not stable and so has no steady state.
@@ -48,11 +50,12 @@ def measure_impedance(joint: Joint, excitation: Excitation, periods: float = 4) 
     settling = min(-np.log(FADED) / joint.poles.decay, window)
     response = simulate(joint, excitation, settling + window, dt)
     alive = joint.poles.values[np.exp(joint.poles.values.real * settling) > FADED]
-    first = int(np.ceil(settling / dt))
+    first = int(np.ceil(settling / response.times[1]))
     middle = (first + len(response.times)) // 2
     parts = (slice(first, middle), slice(middle, None), slice(first, None))
     early, late, whole = (_fitted(response, part, omega, alive) for part in parts)
-    return response, MeasuredImpedance(omega, whole.Z, abs(early.Z - late.Z) / abs(whole.Z) + whole.accuracy)
+    accuracy = abs(early.Z - late.Z) / abs(whole.Z) + whole.accuracy + joint.step_error(omega)
+    return response, MeasuredImpedance(omega, whole.Z, accuracy)
 
 
 def _fitted(response: Response, part: slice, omega: Samples, modes: NDArray[np.complex128]) -> MeasuredImpedance:

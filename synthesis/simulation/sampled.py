@@ -9,24 +9,27 @@ exact.
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from math import log
+from math import ceil, log
 
 import numpy as np
 from scipy.linalg import expm
 
 from ..spec.model import Spec
+from .assembly import assemble
 from .block import Block, combination, connect
 from .equations import Compensator, actuator_equations, controller_equations, load_equations, loads
-from .joint import assemble
-from .response import Samples, step_response, trajectory
+from .march import Samples, trajectory
+from .members import middle_of
+from .response import step_response
 
+RATE = 1000.0  # Hz, where the specification has none
 TICKS = 60_000  # longest comparison
 SETTLED = 1e-6
 
 
 @dataclass(frozen=True)
 class SampledComparison:
-    """Nominal load, controller sampled at `rate` [Hz] with `delay` ticks of computation, against the continuous one.
+    """Nominal load, controller sampled at `rate` [Hz] with `delay` ticks of computation, against the simulated loop.
 
     `rms_difference` and `rms_theta` [rad] are over the response to a step of 1 N·m of length `duration` [s]; None when
     either loop is unstable.
@@ -45,20 +48,31 @@ class SampledComparison:
         return asdict(self)
 
 
-def sampled_comparison(spec: Spec, compensator: Compensator, rate: float = 1000.0, delay: int = 0) -> SampledComparison:
-    """Stability and step response of the sampled loop; `rate` [Hz], `delay` [ticks].
+def sampled_comparison(
+    spec: Spec, compensator: Compensator, rate: float | None = None, delay: int | None = None
+) -> SampledComparison:
+    """Stability and step response of the sampled loop, of a range its middle; `rate` [Hz], `delay` [ticks].
+
+    By default those of the specification, a delay of no whole ticks rounded up; 1 kHz and no delay where it says none.
+    With a hold in the specification the other loop is the one with that hold and delay: what the claims are about.
 
     Raises: RobimpError for a singular algebraic loop, InputError for an improper C.
     """
+    spec, sampling = middle_of(spec), spec.sampling
+    rate = rate or (float(sampling.rate) if sampling else RATE)
+    delay = delay if delay is not None else ceil(sampling.delay * sampling.rate) if sampling else 0
     loop = _sampled_loop(spec, compensator, 1 / rate, delay)
     radius = float(abs(np.linalg.eigvals(loop.A)).max())
     joint = assemble(spec, compensator, loads(spec)[0])
     if radius >= 1 or not joint.poles.stable:
         return SampledComparison(rate, delay, radius, radius < 1, None, None, None)
     duration = min(-log(SETTLED) / joint.poles.decay, TICKS / rate)
-    continuous = step_response(joint, duration, 1 / rate).theta
-    difference = _step(loop, len(continuous)) - continuous
-    return SampledComparison(rate, delay, radius, True, duration, _rms(difference), _rms(continuous))
+    continuous = step_response(joint, duration, 1 / rate)
+    ticks = np.arange(ceil(continuous.times[-1] * rate) + 1)
+    stepped = np.interp(continuous.times * rate, ticks, _step(loop, len(ticks)))
+    return SampledComparison(
+        rate, delay, radius, True, duration, _rms(stepped - continuous.theta), _rms(continuous.theta)
+    )
 
 
 def sampled_step(spec: Spec, compensator: Compensator, ticks: int, rate: float = 1000.0, delay: int = 0) -> Samples:
