@@ -13,6 +13,7 @@ from ..problem.constraints import constraints
 from ..problem.setting import Setting
 from .band import prove_bandwidth
 from .claim import Claim
+from .enclosure.box import excluded
 from .enclosure.claims import (
     prove_boxes,
     prove_constraints,
@@ -23,7 +24,6 @@ from .enclosure.claims import (
 )
 from .enclosure.joint import family_of
 from .enclosure.prover import CellProver
-from .enclosure.stability import excluded
 from .enclosure.tolerance import Required, holds, weakest
 from .outcome import Outcome
 from .prover import Prover, Subject

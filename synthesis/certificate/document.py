@@ -16,15 +16,13 @@ from .claim import Claim, Refutation
 from .outcome import Outcome
 
 FORMAT = 1
-ASSUMPTIONS = (
-    "the joint obeys (1) and, with a series-elastic actuator, (13) with motor damping: linear and time-invariant",
-    "the controller runs in continuous time with exactly the coefficients printed here",
-    "torques stay within the actuator's limits",
-)
-NOT_CLAIMED = (
-    "bandwidth.bound is a solver's figure on a frequency grid",
-    "sampling, computation delay, quantisation and saturation",
-)
+PHYSICS = "the joint obeys (1) and, with a series-elastic actuator, (13) with motor damping: linear and time-invariant"
+CONTINUOUS = "the controller runs in continuous time with exactly the coefficients printed here"
+HELD = "between command and torque lie a hold of one period and the stated delay; the aliases of sampling are left out"
+LIMITS = "torques stay within the actuator's limits"
+BOUND = "bandwidth.bound is a solver's figure on a frequency grid"
+UNSAMPLED = "sampling, computation delay, quantisation and saturation"
+SAMPLED = "aliasing, quantisation and saturation"
 OUTSIDE = "stability of loads outside the stated uncertainty"
 NOMINAL_ONLY = "stability of any load but the nominal one: no claim here covers the stated uncertainty"
 
@@ -38,7 +36,7 @@ def document(
     producer: dict[str, str],
 ) -> dict[str, Any]:
     """The certificate of one controller as the JSON object that is written."""
-    band = next(claim for claim in claims if claim.id == "bandwidth")
+    band, held = next(claim for claim in claims if claim.id == "bandwidth"), setting.spec.sampling is not None
     body: dict[str, Any] = {
         "robimp_certificate": FORMAT,
         "spec": canonical(setting.spec),
@@ -50,8 +48,12 @@ def document(
             "bound": None if bound is None else number_text(bound),
         },
         "claims": [_claim(claim) for claim in claims],
-        "assumptions": list(ASSUMPTIONS),
-        "not_claimed": [*NOT_CLAIMED, OUTSIDE if robustly_stable(setting, claims) else NOMINAL_ONLY],
+        "assumptions": [PHYSICS, HELD if held else CONTINUOUS, LIMITS],
+        "not_claimed": [
+            BOUND,
+            SAMPLED if held else UNSAMPLED,
+            OUTSIDE if robustly_stable(setting, claims) else NOMINAL_ONLY,
+        ],
         "producer": producer,
     }
     digest = sha256(canonical_json(body)).hexdigest()
@@ -118,15 +120,18 @@ def _numbers(values: object, names: dict[str, str]) -> dict[str, str] | None:
 def robustly_stable(setting: Setting, claims: tuple[Claim, ...]) -> bool:
     """Whether the proven claims make every load of the uncertainty stable: nominal stability and one robust claim.
 
-    (18) with physical coupling; passivity on the whole axis, structured or over the disc; friction; (9), which is
-    about an ideal actuator, if the actuator is ideal.
+    The claim about the box if there is no disc on top; (18) with physical coupling; passivity on the whole axis,
+    structured or over the disc; friction; (9), which is about an ideal actuator, if the actuator is ideal.
     """
     proven = {(c.id, c.form) for c in claims if c.status is Outcome.PROVEN and c.interval == (Fraction(0), None)}
     robust = {("eq12", "structured"), ("eq12", "disc"), ("friction", "strictly-positive-real")}
     robust |= {("eq18", f"{form}/physical") for form in ("paper", "lumped", "half-plane")}
     if setting.loop.actuator == IDEAL:
         robust.add(("eq9", "printed"))
-    nominal = {("stability-free", "hurwitz"), ("stability-locked", "hurwitz")}
+    if not setting.uncertainty.disc:
+        robust.add(("stability-free", "box"))
+    form = "hurwitz" if setting.loop.actuator.hold is None else "winding"
+    nominal = {("stability-free", form), ("stability-locked", form)}
     return nominal <= proven and bool(proven & robust)
 
 

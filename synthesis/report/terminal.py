@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 COLOUR = {Outcome.PROVEN: "green", Outcome.REFUTED: "red", Outcome.UNDECIDED: "yellow"}
 UNIT = {
     "hurwitz": "decay ≥ {} /s",
+    "winding": "stable",
+    "box": "{} × the box is stable",
+    "command": "gain ≤ {}",
+    "coefficients": "± {} of each",
     "structured": "{} N·m·s/rad to spare",
     "disc": "{} N·m·s/rad to spare",
     "strictly-positive-real": "{} N·m·s/rad to spare",

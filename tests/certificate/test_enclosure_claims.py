@@ -17,10 +17,11 @@ from robimp.models.controller import Compensator
 from robimp.models.rational import exact, to_float
 from robimp.synthesis.certificate.claim import Claim
 from robimp.synthesis.certificate.claims import certify, counterexamples
+from robimp.synthesis.certificate.enclosure.box import excluded, largest_spread
 from robimp.synthesis.certificate.enclosure.claims import prove_constraints
 from robimp.synthesis.certificate.enclosure.joint import Family, JointOnCells, family_of
 from robimp.synthesis.certificate.enclosure.prover import CellProver
-from robimp.synthesis.certificate.enclosure.stability import excluded, largest_spread, turns
+from robimp.synthesis.certificate.enclosure.winding import turns
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.problem.constraints import constraints
 from robimp.synthesis.problem.grid import Evaluator

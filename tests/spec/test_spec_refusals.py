@@ -13,13 +13,6 @@ from robimp.synthesis.spec import Spec, load_spec, parse_spec
 
 BAD = Path(__file__).parents[1] / "data" / "specs" / "bad"
 TABLE = [tuple(row.split("\t")) for row in (BAD / "expected.tsv").read_text(encoding="utf-8").splitlines()[1:]]
-# Written when this reader refused these keys altogether: two are specifications now, two still have a fault.
-ACCEPTED = ("sampling.yaml", "impedance-interval.yaml")
-OTHERWISE = {
-    "table.yaml": ("5", "uncertainty.table.beyond", "write `beyond: hold` to say that the first bound holds down to"),
-    "noise.yaml": ("11", "constraints.noise.torque", "expected one of gain, above"),
-}
-REFUSED = [(row[0], *OTHERWISE.get(row[0], row[1:])) for row in TABLE if row[0] not in ACCEPTED]
 JARGON = ("Traceback", "pydantic", "validation error", "Error", "ruamel", "<unicode string>")
 
 
@@ -28,7 +21,7 @@ def test_the_table_and_the_folder_list_the_same_files() -> None:
     assert len(TABLE) >= 45
 
 
-@pytest.mark.parametrize(("file", "line", "key", "fragment"), REFUSED, ids=[row[0] for row in REFUSED])
+@pytest.mark.parametrize(("file", "line", "key", "fragment"), TABLE, ids=[row[0] for row in TABLE])
 def test_a_bad_specification_is_refused_at_its_place(file: str, line: str, key: str, fragment: str) -> None:
     with pytest.raises(InputError) as refusal:
         load_spec(BAD / file)
@@ -40,11 +33,6 @@ def test_a_bad_specification_is_refused_at_its_place(file: str, line: str, key: 
     assert text.startswith(f"{BAD / file}:{line}:{error.location.column}: ")
     assert "\n" not in text and text.isprintable()
     assert not any(word in text for word in JARGON)
-
-
-@pytest.mark.parametrize("file", ACCEPTED)
-def test_what_was_refused_for_its_key_alone_is_accepted_now(file: str) -> None:
-    assert isinstance(load_spec(BAD / file), Spec)
 
 
 def test_the_file_the_bad_ones_were_made_from_is_accepted() -> None:

@@ -14,10 +14,11 @@ from ..claim import Claim, Refutation
 from ..outcome import Outcome
 from ..witness import short
 from .band import prove_bandwidth
+from .box import largest_spread
 from .joint import family_of
 from .prover import NEAR, CellProver
-from .stability import largest_spread, turns
 from .tolerance import holds, levels, twin, weakest
+from .winding import turns
 
 WHOLE = (Fraction(0), None)
 EVERY = {"free": "every load, impedance and actuator of the stated boxes", "locked": "every actuator of the stated box"}

@@ -14,11 +14,11 @@ from ....models.rational import descending, exact, polynomial
 from ...problem.constraints.inequality import Constraint
 from ...spec.model import Polynomials
 from ..witness import Witness, short
+from .box import excluded
 from .cells import Cells, Part
 from .joint import Family
 from .prover import CellProver, witness_at
 from .search import Point
-from .stability import excluded
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -1,21 +1,18 @@
-"""Stability where Routh cannot answer: with a hold (winding number), and of every joint of a box (zero exclusion).
+"""Robust stability of a box: how far it may be stretched about the nominal joint, proven by zero exclusion.
 
-winding  φ = f/f_ref, f_ref Hurwitz of f's degree without the hold: when φ(jω) does not turn around 0 from ω = 0 to ∞,
-         f has no root with Re s ≥ 0 (argument principle: f is entire, and the held part decays against the rest).
-box      with a stable nominal joint, no root crosses the axis if f(jω) ≠ 0 for every ω and every parameter. f is affine
-         in load and impedance, so on a cell it fills a zonotope; 0 is outside if a normal of one of its edges says so.
+With a stable nominal joint no root crosses the axis if f(jω) ≠ 0 for every ω and every parameter. f is affine in load
+and impedance, so on a cell it fills a zonotope; 0 is outside if a normal of one of its edges says so.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import islice, pairwise, product
+from itertools import islice, product
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import fmpq_poly
 
 from ....models.rational import exact
 from ...problem.grid import float_roots
@@ -27,79 +24,17 @@ from .form import Form
 from .joint import Family, JointOnCells
 from .prover import CellProver
 from .wave import Wave
+from .winding import ENDS, ROUNDS, WHOLE, turns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-WHOLE = (Fraction(0), None)
-ROUNDS, MOST_CELLS = 24, 30_000
+MOST_CELLS = 30_000
 LARGEST_SPREAD = 1000.0
 REFINEMENTS, BASINS = 5, 8  # of the grid around its lowest minima
 MOST_VERTICES = 128
 DENSE = 6000  # frequencies where the spread is looked for first
 DECADES = np.geomspace(0.1, 1e-8, 8)  # towards the ends of the axis
-Function = Callable[[JointOnCells], Wave]
-ENDS: dict[str, Function] = {"free": JointOnCells.free, "locked": JointOnCells.locked}
-
-
-@np.errstate(all="ignore")
-def turns(prover: CellProver, end: str) -> int | None:
-    """Quarter turns of φ(jω) around 0 from ω = 0 to ∞; 0: stable. None: could not be followed."""
-    reference = _reference(prover, end)
-    planes: list[tuple[float, int]] = []
-    for cells in prover.axis(WHOLE):
-        waiting = cells
-        for _ in range(ROUNDS):
-            joint = JointOnCells(prover.family, waiting)
-            plane = _half_planes(ENDS[end](joint) / joint.s.real_number(reference))
-            known = plane >= 0
-            planes += list(zip(_position(waiting)[known], plane[known], strict=True))
-            waiting = waiting[~known]
-            if not waiting.size:
-                break
-            waiting = waiting.split_frequency()
-        if waiting.size:
-            return None
-    sequence = [plane for _, plane in sorted(planes)]
-    total = 0
-    for a, b in pairwise(sequence):
-        step = (b - a + 1) % 4 - 1
-        if step == 2:
-            return None
-        total += step
-    return total if sequence[0] % 2 == 0 and sequence[-1] % 2 == 0 else None
-
-
-def _reference(prover: CellProver, end: str) -> fmpq_poly:
-    """`(s+a)^n`, n the degree of f without what is held, a in the middle of the joint's frequencies."""
-    setting, family = prover.family.setting, prover.family
-    C = setting.build(family.numerator, family.denominator)
-    loop = setting.loop
-    unheld = replace(loop, actuator=replace(loop.actuator, h=fmpq_poly([0])))
-    f = (unheld.free(loop.nominal) if end == "free" else unheld.locked())(C)
-    scales = next(cells.z for cells in prover.axis(WHOLE) if cells.part is Part.MIDDLE)
-    a = exact(short(float(np.sqrt(scales.min() * scales.max()))))
-    lead = f.leading_coefficient()
-    p = fmpq_poly([lead])
-    for _ in range(f.degree()):
-        p = p * fmpq_poly([a, 1])
-    return p
-
-
-def _half_planes(φ: Wave) -> NDArray[np.int_]:
-    """0: Re > 0, 1: Im > 0, 2: Re < 0, 3: Im < 0, −1: not known; the ends of the axis are real."""
-    plane = np.full(φ.x.rho.size, -1)
-    parts = [(φ.p, 0, 2)] if φ.x.z is not None else [(φ.q, 1, 3), (φ.p, 0, 2)]
-    for part, positive, negative in parts:
-        if isinstance(part, Form) and part.order <= 0:
-            plane = np.where(part.lower > 0, positive, np.where(part.upper < 0, negative, plane))
-    return plane
-
-
-def _position(cells: Cells) -> NDArray[np.float64]:
-    """ω in the middle of each cell; where 1/z grows without bound the order still counts."""
-    z = cells.z.mean(axis=0)
-    return np.asarray(1 / z if cells.part is Part.HIGH else z)
 
 
 @dataclass(frozen=True)
