@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import zip_longest
 from math import gcd, lcm
+from typing import Any
 
 from .outcome import UNDECIDED, demand, tick
 
@@ -29,20 +31,37 @@ class Poly:
         d = lcm(*(Fraction(a).denominator for a in ascending))
         return _lowest([int(a * d) for a in ascending], d)
 
-    def at(self, k: int) -> Fraction:
-        """Coefficient of z^k."""
-        return Fraction(self.c[k], self.d) if 0 <= k < len(self.c) else Fraction(0)
-
     def __add__(self, other: Poly) -> Poly:
-        d = lcm(self.d, other.d)
-        p, q = d // self.d, d // other.d
-        return _lowest([a * p + b * q for a, b in zip_longest(self.c, other.c, fillvalue=0)], d)
+        return _sum(self, other) if isinstance(other, Poly) else NotImplemented
+
+    def __neg__(self) -> Poly:
+        return Poly(tuple(-a for a in self.c), self.d)
 
     def __sub__(self, other: Poly) -> Poly:
-        return self + Poly(tuple(-a for a in other.c), other.d)
+        return self + -other
 
     def __mul__(self, other: Poly) -> Poly:
-        return _lowest(product(self.c, other.c), self.d * other.d)
+        return _times(self, other) if isinstance(other, Poly) else NotImplemented
+
+    def conj(self) -> Poly:
+        """`conj p(jω) = p(−jω)`."""
+        return Poly(tuple(-a if k % 2 else a for k, a in enumerate(self.c)), self.d)
+
+    def parts(self) -> tuple[Poly, Poly]:
+        """`Re p(jω)` and `Im p(jω)/ω`, polynomials in x = ω²."""
+        signed = [a if k % 4 < 2 else -a for k, a in enumerate(self.c)]
+        return _lowest(signed[0::2], self.d), _lowest(signed[1::2], self.d)
+
+
+@lru_cache(maxsize=4096)  # every cell asks for the same sums and products
+def _sum(p: Poly, q: Poly) -> Poly:
+    d = lcm(p.d, q.d)
+    return _lowest([a * (d // p.d) + b * (d // q.d) for a, b in zip_longest(p.c, q.c, fillvalue=0)], d)
+
+
+@lru_cache(maxsize=4096)
+def _times(p: Poly, q: Poly) -> Poly:
+    return _lowest(product(p.c, q.c), p.d * q.d)
 
 
 def _lowest(c: list[int], d: int) -> Poly:
@@ -59,15 +78,13 @@ def _trimmed(c: list[int]) -> list[int]:
 ZERO, ONE, X = Poly(()), Poly((1,)), Poly((0, 1))
 
 
-def on_axis(p: Poly, q: Poly) -> tuple[Poly, Poly]:
-    """`Re[p(jω) conj q(jω)]` and `Im[…]/ω = Re[p conj q/(jω)]`, polynomials in x = ω²: conj q(jω) is q(−jω)."""
-    whole = p * Poly(tuple(-a if k % 2 else a for k, a in enumerate(q.c)), q.d)
-    signed = [a if k % 4 < 2 else -a for k, a in enumerate(whole.c)]
-    return _lowest(signed[0::2], whole.d), _lowest(signed[1::2], whole.d)
+def on_axis(p: Any, q: Any) -> tuple[Any, Any]:
+    """`Re[p(jω) conj q(jω)]` and `Im[…]/ω`: polynomials in x = ω², or forms on a cell."""
+    return (p * q.conj()).parts()  # type: ignore[no-any-return]
 
 
-def norm2(p: Poly) -> Poly:
-    """`|p(jω)|²`, a polynomial in x = ω²."""
+def norm2(p: Any) -> Any:
+    """`|p(jω)|²`: a polynomial in x = ω², or a form on a cell."""
     return on_axis(p, p)[0]
 
 
