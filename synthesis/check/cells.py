@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from math import inf
+from math import factorial, inf
 from typing import Any
 
 from .forms import BITS, Axis, Form, UnresolvedError
@@ -15,7 +15,7 @@ from .positivity import Inequality
 
 Ranges = dict[tuple[str, Any], tuple[Fraction, Fraction]]  # the parameters that vary
 Taylor = tuple[int, int, int, int]  # 2^-BITS (c0 + c1 t + c2 t² ± r)
-CELLS, DEPTH = 40_000, 60
+CELLS, DEPTH, PARAMETERS = 40_000, 60, ("impedance", "actuator", "edge")
 
 
 class Cell:
@@ -36,7 +36,7 @@ class Cell:
         """Equal for cells on which everything is equal."""
         return self.lo, self.hi, self.far, tuple(self.ranges.items())
 
-    def split(self, forms: Iterable[Form]) -> list[Cell]:
+    def split(self, forms: Iterable[Form], names: Sequence[str]) -> list[Cell]:
         """Two halves, the one at smaller ω first, along the symbol that these forms depend on most."""
         tick_depth = self.depth + 1
         if tick_depth > DEPTH or (self.lo == self.hi and all(lo == hi for lo, hi in self.ranges.values())):
@@ -46,7 +46,7 @@ class Cell:
         score = [sum(abs(f.l[i]) << min(f.e - low, 4 * BITS) for f in live) for i in range(len(self.ranges) + 1)]
         fixed = {0} if self.lo == self.hi else set()
         keys = list(self.ranges)
-        fixed |= {i for i, (name, _) in enumerate(keys, 1) if name in ("numerator", "denominator")}
+        fixed |= {i for i, (name, _) in enumerate(keys, 1) if name not in names}
         free = [i for i in range(len(score)) if i not in fixed]
         if not free:
             raise CheckError(UNDECIDED, f"neither proven nor refuted{self}")
@@ -157,10 +157,11 @@ class Cell:
 
     def _trig(self, a: Fraction) -> tuple[Form, Form]:
         """cos(aω) and sin(aω)/ω."""
-        if self.ends:  # |cos θ − 1 + θ²/2| ≤ θ⁴/24, |sin θ/θ − 1 + θ²/6| ≤ θ⁴/120
-            h = (a * a * self.hi) ** 2
-            c, s = self.real(Poly.of(1, -a * a / 2)), self.real(Poly.of(a, -(a**3) / 6))
-            return c + self.form(0, r=h / 24), s + self.form(0, r=a * h / 120)
+        square = a * a * self.hi
+        if self.ends or square < 16:  # at any θ the series' error is below its first omitted term
+            c, s = (self.real(Poly.of(*(a**n * (-a * a) ** k / factorial(2 * k + n) for k in range(12)))) for n in (0, 1))
+            rest = square**12 / factorial(24)
+            return c + self.form(0, r=rest), s + self.form(0, r=a * rest)
         ω = self.omega()
         θ = ω * Poly.of(a)
         n = len(θ.l)
@@ -258,7 +259,9 @@ def nonzero(z: Axis) -> bool:
     return False
 
 
-def cover(cells: list[Cell], parts: Callable[[Cell], Iterator[Any]], deadline: float) -> str:
+def cover(
+    cells: list[Cell], parts: Callable[[Cell], Iterator[Any]], deadline: float, halved: Sequence[str] = PARAMETERS
+) -> str:
     """Text of a place where a part fails; empty if all are proven on all cells; or CheckError. In the order of ω."""
     stack = cells[::-1]
     for _ in range(CELLS):
@@ -283,5 +286,5 @@ def cover(cells: list[Cell], parts: Callable[[Cell], Iterator[Any]], deadline: f
         except UnresolvedError as stop:
             open_ = list(stop.forms)
         if open_:
-            stack += cell.split(open_)[::-1]
+            stack += cell.split(open_, halved)[::-1]
     raise CheckError(UNDECIDED, "neither proven nor refuted")

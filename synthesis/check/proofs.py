@@ -166,7 +166,7 @@ class Prover:
         def on(cell: Cell) -> Iterator[Axis]:
             yield cell.axis(_characteristic(name, self._joint(cell, {}))) * cell.axis(reference).inverse()
 
-        return cover(roots(WHOLE, [], family), on, self.deadline)
+        return cover(roots(WHOLE, [], family), on, self.deadline, ("actuator",))
 
     def _tolerance(self, v: Fraction) -> str:
         """Every required claim at its required level, for every coefficient c(1 + e), |e| ≤ v."""
