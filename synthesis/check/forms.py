@@ -6,6 +6,8 @@ from math import isqrt
 from operator import mul
 from typing import TYPE_CHECKING, Any
 
+from .polynomials import Ring
+
 if TYPE_CHECKING:
     from .cells import Cell
 
@@ -13,38 +15,33 @@ BITS = 64  # of a form's numbers
 
 
 class UnresolvedError(Exception):
-    """A form whose sign had to be known, and is not on so large a cell."""
-
-    def __init__(self, *forms: Form) -> None:
-        self.forms = forms
+    """Forms whose sign had to be known, and is not on so large a cell."""
 
 
-class Form:
-    """`ζ^m 2^e (c + Σ l[i] t_i ± r)` for all |t_i| ≤ 1: t_0 moves along the cell's axis, the others are parameters."""
+class Form(Ring):
+    """`ζ^m 2^e (c + Σ l[i] t_i ± r)` for all |t_i| ≤ 1: t_0 moves along the axis, others are parameters; w = Σ|l|."""
 
-    __slots__ = ("c", "cell", "e", "l", "m", "r")
+    __slots__ = ("c", "cell", "e", "l", "m", "r", "w")
 
     def __init__(self, cell: Cell, m: int, e: int, c: int, l: list[int], r: int) -> None:  # noqa: E741
-        excess = (abs(c) + r + max(map(abs, l))).bit_length() - BITS
+        w = sum(map(abs, l))
+        excess = (abs(c) + w + r).bit_length() - BITS
         if excess > 0:  # floors: each coefficient and the bound lose less than one
             c, l, r, e = c >> excess, [v >> excess for v in l], (r >> excess) + len(l) + 2, e + excess  # noqa: E741
-        self.cell, self.m, self.e, self.c, self.l, self.r = cell, m, e, c, l, r
+            w = sum(map(abs, l))
+        self.cell, self.m, self.e, self.c, self.l, self.r, self.w = cell, m, e, c, l, r, w
 
-    def zero(self) -> bool:
-        """Whether it is exactly zero."""
-        return not (self.c or self.r or any(self.l))
+    def __bool__(self) -> bool:
+        return bool(self.c or self.r or self.w)
 
     def size(self) -> int:
         """Bits of the largest value, about."""
-        return self.e + (abs(self.c) + sum(map(abs, self.l)) + self.r).bit_length()
+        return self.e + (abs(self.c) + self.w + self.r).bit_length()
 
     def at(self, m: int) -> Form:
         """The same value with another power of ζ in front; on a cell that has an end at ζ = 0 only with a lower one."""
-        if m == self.m or self.zero():
-            return Form(self.cell, m, self.e, self.c, self.l, self.r)
-        product = self * self.cell.power(self.m - m)
-        product.m = m
-        return product
+        same = self * self.cell.power(self.m - m) if self.m != m and self else self
+        return Form(self.cell, m, same.e, same.c, same.l, same.r)
 
     def up(self) -> Form:
         """Times τ² = −χ = 2^b ζ."""
@@ -52,8 +49,8 @@ class Form:
 
     def __add__(self, other: Any) -> Form:
         a, b = self, self.cell.real(other)
-        if b.zero() or a.zero():
-            return a if b.zero() else b
+        if not (a and b):
+            return a or b
         if a.m != b.m:
             m = a.m if (a.m < b.m if self.cell.ends else a.size() > b.size()) else b.m
             a, b = a.at(m), b.at(m)
@@ -68,47 +65,35 @@ class Form:
     def __neg__(self) -> Form:
         return Form(self.cell, self.m, self.e, -self.c, [-v for v in self.l], self.r)
 
-    def __sub__(self, other: Any) -> Form:
-        return self + -other
-
-    def __rsub__(self, other: Any) -> Form:
-        return -self + other
-
-    def __mul__(self, other: Any) -> Form:
-        """With t_i² in [0, 1], t_i t_k in [−1, 1]; everything doubled."""
+    def __mul__(self, other: Any) -> Form:  # everything doubled, with t_i² in [0, 1] and t_i t_k in [−1, 1]
         a, b = self, self.cell.real(other)
-        u, w, squares = sum(map(abs, a.l)), sum(map(abs, b.l)), list(map(mul, a.l, b.l))
-        c, (p, q) = 2 * a.c * b.c + sum(squares), (2 * a.c, 2 * b.c)
-        r = 2 * (u * w + (abs(a.c) + u) * b.r + (abs(b.c) + w) * a.r + a.r * b.r) - sum(map(abs, squares))
+        squares, p, q = list(map(mul, a.l, b.l)), 2 * a.c, 2 * b.c
+        r = 2 * (a.w * b.w + (abs(a.c) + a.w) * b.r + (abs(b.c) + b.w) * a.r + a.r * b.r) - sum(map(abs, squares))
         values = [p * y + q * x for x, y in zip(a.l, b.l, strict=True)]
-        return Form(self.cell, a.m + b.m, a.e + b.e - 1, c, values, r)
-
-    __radd__, __rmul__ = __add__, __mul__
+        return Form(self.cell, a.m + b.m, a.e + b.e - 1, p * b.c + sum(squares), values, r)
 
     def inverse(self) -> Form:
         """1/f: with d = f − c, |d| ≤ D < c, it is 1/c − d/c² + R, 0 ≤ R ≤ D²/(c²(c − D))."""
         if self.c < 0:
             return -(-self).inverse()
-        c, D = self.c, sum(map(abs, self.l)) + self.r
-        if D >= c:
+        c, D = self.c, self.w + self.r
+        if c <= D:
             raise UnresolvedError(self)
         k = c.bit_length() + BITS
-        one = (1 << k) // c
-        rest = (D * D << k) // (c * c * (c - D)) + 1
-        values = [-(v * one // c) for v in self.l]
-        r = (rest >> 1) + 2 * len(values) + 4 + (self.r << k) // (c * c)
-        return Form(self.cell, -self.m, -k - self.e, one + (rest >> 1), values, r)
+        one, rest = (1 << k) // c, (D * D << k) // (c * c * (c - D)) + 1
+        r = (rest >> 1) + 2 * len(self.l) + 4 + (self.r << k) // (c * c)
+        return Form(self.cell, -self.m, -k - self.e, one + (rest >> 1), [-(v * one // c) for v in self.l], r)
 
     def root(self) -> Form:
-        """√f of a form without power of ζ that means something ≥ 0.
+        """√f of a form without power of ζ that means something ≥ 0: √c + d/(2√c) − R, R = (√(c + d) − √c)²/(2√c).
 
-        √(c + d) = √c + d/(2√c) − R with R = (√(c + d) − √c)²/(2√c) ≥ 0; or anything from 0 to its upper bound."""
-        D = sum(map(abs, self.l)) + self.r
+        Where d may reach −c it is anything from 0 to the root of the upper bound."""
+        D = self.w + self.r
         n = max(2 * BITS + 8 - (abs(self.c) + D).bit_length(), 0)
         n += (self.e - n) % 2
         c, D, e = self.c << n, D << n, (self.e - n) // 2
         top = isqrt(max(c + D, 0)) + 1
-        if D >= c:
+        if c <= D:
             return Form(self.cell, 0, e, top >> 1, [0] * len(self.l), (top >> 1) + 1)
         root = isqrt(c)
         w = max(top - root, root + 1 - isqrt(c - D))
@@ -119,13 +104,11 @@ class Form:
 
     def sign(self, strict: bool = True) -> int:
         """1: > 0 (≥ 0 if not strict) everywhere; −1: not so somewhere, at a corner of the cell; 0: neither is shown."""
-        least = (-self.c if self.m % 2 else self.c) - sum(map(abs, self.l))  # ζ < 0
-        if least - self.r > -(not strict):
-            return 1
-        return -1 if least + self.r < strict else 0
+        least = (-self.c if self.m % 2 else self.c) - self.w  # ζ < 0
+        return 1 if least - self.r > -(not strict) else -(least + self.r < strict)
 
 
-class Axis:
+class Axis(Ring):
     """`p + τ q` on s = jω, p and q real forms: τ = s, or 1/s on a cell that ends at infinity."""
 
     __slots__ = ("p", "q")
@@ -140,17 +123,9 @@ class Axis:
     def __neg__(self) -> Axis:
         return Axis(-self.p, -self.q)
 
-    def __sub__(self, other: Any) -> Axis:
-        return self + -other
-
-    def __rsub__(self, other: Any) -> Axis:
-        return -self + other
-
     def __mul__(self, other: Any) -> Axis:
         other = self.p.cell.axis(other)
         return Axis(self.p * other.p + (self.q * other.q).up(), self.p * other.q + self.q * other.p)
-
-    __radd__, __rmul__ = __add__, __mul__
 
     def conj(self) -> Axis:
         """Complex conjugate: τ is imaginary."""
@@ -164,3 +139,22 @@ class Axis:
         """`1/z = conj z/|z|²`."""
         n = (self.p * self.p - (self.q * self.q).up()).inverse()
         return Axis(self.p * n, -(self.q * n))
+
+    def bounded(self) -> bool:
+        """Whether it stays finite at the end of its cell."""
+        return all(f.m >= 0 or not f for f in (self.p, self.q))
+
+    def nonzero(self) -> bool:
+        """Whether 0 is shown not to be among the values: some linear functional of (p, q) has one sign."""
+        p, q, cell = self.p, self.q, self.p.cell
+        if cell.ends:  # at χ = 0 it is p
+            return p.m == 0 and abs(p.c) > p.w + p.r
+        q = q.at(p.m)
+        e = min(p.e, q.e)
+        P, Q = ([v << f.e - e for v in (f.c, *f.l, f.r)] for f in (p, q))
+        up, down = max(cell.b, 0), max(-cell.b, 0)
+        for a, b in [(P[0] << down, Q[0] << up), *((w, -u) for u, w in zip(P[1:-1], Q[1:-1], strict=True))]:
+            values = [a * u + b * w for u, w in zip(P[:-1], Q[:-1], strict=True)]
+            if abs(values[0]) > sum(map(abs, values[1:])) + abs(a) * P[-1] + abs(b) * Q[-1]:
+                return True
+        return False

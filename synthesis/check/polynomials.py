@@ -18,8 +18,26 @@ PRIME = 2**61 - 1
 TOO_LARGE = "the polynomials are too large", UNDECIDED
 
 
+class Ring:
+    """What sums and products on the left give: differences, and polynomials on the left of quantities on a cell."""
+
+    __slots__ = ()
+
+    def __sub__(self, other: Any) -> Any:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> Any:
+        return -self + other
+
+    def __radd__(self, other: Any) -> Any:
+        return self + other
+
+    def __rmul__(self, other: Any) -> Any:
+        return self * other
+
+
 @dataclass(frozen=True, slots=True)
-class Poly:
+class Poly(Ring):
     """`Σ c[k] z^k / d` in lowest terms: c ascending without zeros at the top, d > 0."""
 
     c: tuple[int, ...]
@@ -31,17 +49,17 @@ class Poly:
         d = lcm(*(Fraction(a).denominator for a in ascending))
         return _lowest([int(a * d) for a in ascending], d)
 
-    def __add__(self, other: Poly) -> Poly:
+    def __bool__(self) -> bool:
+        return bool(self.c)
+
+    def __add__(self, other: Any) -> Any:
         return _sum(self, other) if isinstance(other, Poly) else NotImplemented
 
     def __neg__(self) -> Poly:
         return Poly(tuple(-a for a in self.c), self.d)
 
-    def __sub__(self, other: Poly) -> Poly:
-        return self + -other
-
-    def __mul__(self, other: Poly) -> Poly:
-        return _times(self, other) if isinstance(other, Poly) else NotImplemented
+    def __mul__(self, other: Any) -> Any:
+        return _product(self, other) if isinstance(other, Poly) else NotImplemented
 
     def conj(self) -> Poly:
         """`conj p(jω) = p(−jω)`."""
@@ -60,7 +78,7 @@ def _sum(p: Poly, q: Poly) -> Poly:
 
 
 @lru_cache(maxsize=4096)
-def _times(p: Poly, q: Poly) -> Poly:
+def _product(p: Poly, q: Poly) -> Poly:
     return _lowest(product(p.c, q.c), p.d * q.d)
 
 
@@ -98,9 +116,8 @@ def product(a: Row, b: Row) -> list[int]:
     demand(len(a) * len(b) * size(a) * size(b) <= WORK_LIMIT, *TOO_LARGE)
     out = [0] * (len(a) + len(b) - 1 if a and b else 0)
     for i, p in enumerate(a):
-        if p:
-            for j, q in enumerate(b, i):
-                out[j] += p * q
+        for j, q in enumerate(b, i):
+            out[j] += p * q
     return out
 
 
@@ -115,24 +132,20 @@ def mobius(p: Row, a: int, b: int, c: int, d: int) -> list[int]:
     return out
 
 
-def primitive(p: Row) -> list[int]:
-    """p over the gcd of its coefficients, zeros at the top removed; the sign stays."""
-    g = gcd(*p)
-    return _trimmed([a // g for a in p]) if g else []
+def primitive(p: Row, prime: int = 0) -> list[int]:
+    """p over the gcd of its coefficients, zeros at the top removed, the sign stays; or p modulo a prime."""
+    g = gcd(*p) or 1
+    return _trimmed([a % prime if prime else a // g for a in p])
 
 
 def common_divisor(p: Row, q: Row, prime: int = 0) -> list[int]:
     """Greatest common divisor over the rationals, primitive, or up to a factor modulo a prime: constant if coprime."""
-
-    def reduced(row: Row) -> list[int]:
-        return _trimmed([a % prime for a in row]) if prime else primitive(row)
-
-    a, b = reduced(p), reduced(q)
+    a, b = primitive(p, prime), primitive(q, prime)
     while b:
         demand(len(a) * len(b) * size(a) * size(b) <= WORK_LIMIT, *TOO_LARGE)
         while len(a) >= len(b):
             aligned = [0] * (len(a) - len(b)) + b
-            a = reduced([b[-1] * u - a[-1] * w for u, w in zip(a, aligned, strict=True)])
+            a = primitive([b[-1] * u - a[-1] * w for u, w in zip(a, aligned, strict=True)], prime)
         a, b = b, a
     return a
 
@@ -149,7 +162,7 @@ def quotient(p: Row, q: Row) -> list[int]:
 
 def decays_faster(p: Poly, rate: Fraction, deadline: float) -> bool:
     """Whether every root of p has Re s < −rate [1/s]: p(s − rate) has a strictly positive first Routh column."""
-    if not p.c:
+    if not p:
         return False
     shifted = mobius(p.c, -rate.numerator, rate.denominator, rate.denominator, 0)[::-1]
     upper, lower = ([a if shifted[0] > 0 else -a for a in shifted[k::2]] for k in (0, 1))

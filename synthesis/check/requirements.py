@@ -12,6 +12,7 @@ from .statements import STATEMENTS
 Expect = Callable[..., None]
 Kind = tuple[str, str]  # id and form of a claim
 Interval = tuple[Fraction, Fraction | float]
+ALL = "plant", "impedance", "actuator"  # sections that may have ranges
 WHOLE: Interval = (Fraction(0), inf)
 FALLING = "peak", "rendering", "noise"  # smaller is better
 SIGNED = {("eq12", "disc"), ("eq12", "structured")}  # the forms whose margin may be negative
@@ -29,12 +30,19 @@ def asked(spec: dict[str, Any], omega_b: Fraction, kind: Kind) -> tuple[bool, In
     limits, error, band = spec["constraints"], spec["objective"]["rendering_error"], (Fraction(0), omega_b)
     zero, one, eq12, eq18 = Fraction(0), Fraction(1), limits["eq12"] or {}, limits["eq18"] or {}
     noise, sampled, (name, form) = limits["noise"] or {"gain": None, "above": zero}, bool(spec["sampling"]), kind
-    sections = ("actuator",) if name == "stability-locked" else ("plant", "impedance", "actuator")
-    needed = {"hurwitz": not sampled, "winding": sampled, "box": bool(ranges(spec, *sections))}
+    needed = {
+        "hurwitz": not sampled,
+        "winding": sampled,
+        "box": bool(ranges(spec, ALL[2 * (name != "stability-free") :])),
+    }
     table: dict[str, tuple[bool, Interval, Fraction | None]] = {
         "bandwidth": (True, band, None),
         "eq9": (limits["eq9"] is not None, WHOLE, one),
-        "eq12": (eq12.get("form") == form, eq12.get("band") or WHOLE, eq12.get("margin", zero) if kind in SIGNED else one),
+        "eq12": (
+            eq12.get("form") == form,
+            eq12.get("band") or WHOLE,
+            eq12.get("margin", zero) if kind in SIGNED else one,
+        ),
         "eq18": ("/".join(eq18.values()) == form, WHOLE, one),
         "peak": (limits["peak"] is not None, WHOLE, limits["peak"]),
         "rendering": (error is not None, band, error),
@@ -91,7 +99,9 @@ def _compare_claim(certificate: dict[str, Any], claim: dict[str, Any], seen: set
         lo, hi = (value, value) if name == "bandwidth" else claim["interval"]
         expect(value >= 0 or kind in SIGNED, "refuted_at.value: negative")
         expect(status != "refuted" or limit in (None, value), "refuted_at.value: is not the required one")
-        expect((name == "tolerance") == (about is not None) == (witness["controller"] is not None), "refuted_at: fields")
+        expect(
+            (name == "tolerance") == (about is not None) == (witness["controller"] is not None), "refuted_at: fields"
+        )
         if about:
             expect(len(about) == 2 and tuple(about) in required_kinds(spec), "refuted_at.claim: is not a required one")
             name, form = about
@@ -110,15 +120,13 @@ def _inside(spec: dict[str, Any], witness: dict[str, Any], v: Fraction, form: st
         for key, at in (witness[place] or {}).items():
             expect(key in spec[section], f"refuted_at.{place}: there is no {key}")
             n = nominal(spec, section, key)
-            lo, hi = ranges(spec, section).get((section, key), (n, n))
-            expect(n - v * (n - lo) <= at <= n + v * (hi - n), f"refuted_at.{place}: is not in the box")
+            lo, hi = ranges(spec, [section], v).get((section, key), (n, n))
+            expect(lo <= at <= hi, f"refuted_at.{place}: is not in the box")
 
 
 def _near(certificate: dict[str, Any], given: dict[str, Any], v: Fraction, expect: Expect) -> None:
     """The witness's controller has the certificate's coefficients c as c(1 + e), |e| ≤ v."""
     controller = certificate["controller"]
     for part, c in controller["Q" if controller["type"] == "dob" else "C"].items():
-        near = len(c) == len(given[part]) and all(
-            abs(a - b) <= v * abs(b) for a, b in zip(given[part], c, strict=True)
-        )
+        near = len(c) == len(given[part]) and all(abs(a - b) <= v * abs(b) for a, b in zip(given[part], c, strict=True))
         expect(near, "refuted_at.controller: is not within the tolerance")

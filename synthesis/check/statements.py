@@ -5,10 +5,9 @@ from fractions import Fraction
 from functools import partial, reduce
 from itertools import product
 from operator import mul
-from typing import Any
 
-from .cells import Cell, bounded
-from .joint import S, Joint, Real, Value
+from .cells import Cell
+from .joint import Joint, Real, S, Value
 from .outcome import MISMATCH, demand
 from .polynomials import ONE, ZERO, Poly, X, norm2, on_axis
 from .positivity import Inequality
@@ -19,7 +18,7 @@ Parts = Iterator[Inequality]  # to be proven
 
 def _ratios(j: Joint, load: Load, edge: bool = False) -> list[tuple[Real, Real]]:
     """`|ĝ − g|²` and `|g|²` for every load that can decide; on the edge where it is a parameter."""
-    loads = [*j.loads(load), *([j.edge] if edge and load is None and j.edge is not None else [])]
+    loads = [*j.loads(load), *(j.edge if edge and load is None else [])]
     return [(norm2(j.nominal - g), norm2(g)) for g in loads] if j.box else [(ZERO, ONE)]
 
 
@@ -59,15 +58,13 @@ def passivity(form: str, j: Joint, v: Fraction, load: Load) -> Parts:
     """`Re[N/Ds] − ρ|E g/Ds| − Re[c E g/Ds] ≥ v`, N = E g + M, V² = gap/size < 1, times |D|²(size − gap).
     D = locked: the port Z/s. D = E: `(L R m + Z_0)/s`, friction, strict at v = 0. Concave in g: the corners decide."""
     D, strict = (j.E, v == 0) if form == "friction" else (j.locked, False)
-    pairs = (
-        [(j.nominal, disc) for disc in _discs(j, load)] if form == "disc" else [(g, j.disc) for g in j.loads(load)]
-    )
+    pairs = [(j.nominal, disc) for disc in _discs(j, load)] if form == "disc" else [(g, j.disc) for g in j.loads(load)]
     D2 = norm2(D)
     for g, (gap, size) in pairs:
         Y, rest = j.E * g, size - gap
         margin = (on_axis(Y + j.M, D)[1] - Poly.of(v) * D2) * rest + gap * on_axis(Y, D)[1]
         yield Inequality([], margin, strict, D2 * rest)
-        if gap != ZERO:
+        if gap:
             yield Inequality([gap], size)
             yield Inequality([gap * size * norm2(Y) * D2], X * margin * margin, strict)
 
@@ -81,7 +78,7 @@ def port_ends(friction: bool, j: Joint, cell: Cell, load: Load) -> Iterator[Ineq
     below = cell.axis(j.free(j.nominal) if friction else j.locked * (S * S if cell.far else ONE)).inverse()
     for g in j.loads(load):
         A, B = cell.axis(j.free(g)) * below, cell.axis(j.E * g) * below
-        if bounded(A) and bounded(B):
+        if A.bounded() and B.bounded():
             a = A.p.at(0)
             yield Inequality([], a, friction)
             yield Inequality([V2 * (a - B.p.at(0)) * (a - B.p.at(0))], a * a, friction)

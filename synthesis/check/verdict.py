@@ -71,6 +71,10 @@ def _check(prover: Prover, claim: dict[str, Any]) -> None:
     if witness is not None:
         v, omega = witness["value"], witness["omega"]
         fault = prover.fault(kind, v, interval if omega is None else (omega, omega), whole, witness)
-        demand(fault != "", f"its witness of {'refutation' if status == 'refuted' else 'tightness'} is false: it holds there", FALSE)
+        demand(
+            fault != "",
+            f"its witness of {'refutation' if status == 'refuted' else 'tightness'} is false: it holds there",
+            FALSE,
+        )
         demand(not required or status != "refuted", f"required, and refuted{fault}", FALSE)
     demand(not required or status != "undecided", "required, and undecided", UNDECIDED)

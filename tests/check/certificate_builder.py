@@ -140,6 +140,8 @@ def certificate(s: Json, controller: Json, extra: list[Extra] | None = None, dec
     wanted += [(*entry, False) for entry in extra or []]
     claims = [claim(f"stability-{end}", "hurwitz", whole, decay, True) for end in ("free", "locked")]
     claims.append(claim("bandwidth", "attenuation", band, proven, True))
+    if any(lo != hi for lo, hi in (s["uncertainty"]["box"] or {}).values()):
+        claims.append(claim("stability-free", "box", whole, "1", True))
     for kind, form, interval, required in wanted:
         hi = 1e5 if interval[1] == "inf" else num(interval[1])
         value = worst(s, controller, kind, form, num(interval[0]), hi)
