@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
@@ -51,7 +52,8 @@ class Cell:
         return [Cell(*below, False, self.ranges, deeper), Cell(*above, self.far, self.ranges, deeper)]
 
     def __str__(self) -> str:
-        return " at ω = inf" if self.far else f" at ω = {float(self.lo) ** 0.5:.6g} rad/s"
+        ω = (Decimal(self.lo.numerator) / self.lo.denominator).sqrt()
+        return " at ω = inf" if self.far else f" at ω = {ω:.6g} rad/s"
 
     def form(self, c: Fraction | int = 0, k: int = 0, value: Fraction | int = 0, r: Fraction | int = 0) -> Form:
         """`c + value t_k ± r` from rationals."""
@@ -87,13 +89,16 @@ class Cell:
         return self.cache[(value,)] if isinstance(value, Poly) else value  # type: ignore[no-any-return]
 
     def _power(self, k: int) -> Taylor:
-        if k not in self.taylor:
-            step = 1 if k > 0 else -1
-            (a0, a1, a2, ra), (b0, b1, b2, rb) = self._power(k - step), self.taylor[step]
+        step, n = (1, k) if k > 0 else (-1, k)
+        while n not in self.taylor:
+            n -= step
+        while n != k:  # not recursive: k may be large
+            (a0, a1, a2, ra), (b0, b1, b2, rb) = self.taylor[n], self.taylor[step]
             r = (abs(a0) + abs(a1) + abs(a2)) * rb + (abs(b0) + abs(b1) + abs(b2) + rb) * ra
             r += abs(a1 * b2) + abs(a2 * b1) + abs(a2 * b2)
             c = a0 * b0, a0 * b1 + a1 * b0, a0 * b2 + a1 * b1 + a2 * b0
-            self.taylor[k] = c[0] >> BITS, c[1] >> BITS, c[2] >> BITS, (r >> BITS) + 4
+            n += step
+            self.taylor[n] = c[0] >> BITS, c[1] >> BITS, c[2] >> BITS, (r >> BITS) + 4
         return self.taylor[k] if self.hi or not k else (0, 0, 0, 0)
 
     def _sum(self, terms: list[tuple[int, int, int]], at: int | None = None) -> Form:

@@ -138,10 +138,11 @@ def primitive(p: Row, prime: int = 0) -> list[int]:
     return _trimmed([a % prime if prime else a // g for a in p])
 
 
-def common_divisor(p: Row, q: Row, prime: int = 0) -> list[int]:
+def common_divisor(p: Row, q: Row, deadline: float, prime: int = 0) -> list[int]:
     """Greatest common divisor over the rationals, primitive, or up to a factor modulo a prime: constant if coprime."""
     a, b = primitive(p, prime), primitive(q, prime)
     while b:
+        tick(deadline)
         demand(len(a) * len(b) * size(a) * size(b) <= WORK_LIMIT, *TOO_LARGE)
         while len(a) >= len(b):
             aligned = [0] * (len(a) - len(b)) + b

@@ -59,21 +59,21 @@ def failure(p: Row, lo: Point, hi: Point, strict: bool, deadline: float) -> Poin
     try:
         return _cover(p, lo, hi, deadline, strict, SHALLOW)
     except CheckError:  # a root that only touches never lets halving end: go on without repeated roots
-        return _cover(_simple(p, lo, strict), lo, hi, deadline, strict)
+        return _cover(_simple(p, lo, strict, deadline), lo, hi, deadline, strict)
 
 
-def _simple(p: Row, lo: Point, strict: bool) -> Row:
+def _simple(p: Row, lo: Point, strict: bool, deadline: float) -> Row:
     """p with all roots once and its sign at lo (strict), or with those of odd multiplicity once and its sign."""
     p = primitive(p)
     derivative = [k * a for k, a in enumerate(p)][1:]
-    if p[-1] % PRIME and len(common_divisor(p, derivative, PRIME)) == 1:
+    if p[-1] % PRIME and len(common_divisor(p, derivative, deadline, PRIME)) == 1:
         return p  # the degree of a common divisor can only grow modulo a prime
-    repeated = common_divisor(p, derivative)
+    repeated = common_divisor(p, derivative, deadline)
     squarefree = quotient(p, repeated)
     if strict:
         return squarefree if mobius(squarefree, *lo, *lo)[0] > 0 else [-a for a in squarefree]
-    double = common_divisor(squarefree, repeated)
-    return p if len(repeated) == 1 else _simple(quotient(p, product(double, double)), lo, strict)
+    double = common_divisor(squarefree, repeated, deadline)
+    return p if len(repeated) == 1 else _simple(quotient(p, product(double, double)), lo, strict, deadline)
 
 
 def bernstein(p: Row, lo: Point, hi: Point) -> Row:

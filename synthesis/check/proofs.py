@@ -107,7 +107,7 @@ class Prover:
         undelayed, delayed = self.exact.loop(name)
         f = undelayed + delayed
         p, k = undelayed if self.sampled else f, 0
-        demand(f and f.c[0] and p, "a root at zero", FALSE)
+        demand(bool(p) and bool(f) and f.c[0] != 0, "a root at zero", FALSE)
         k = (f.c[0].bit_length() - f.d.bit_length() - p.c[-1].bit_length() + p.d.bit_length()) // max(len(p.c) - 1, 1)
         reference: Poly = reduce(mul, [Poly.of(Fraction(2) ** k, 1)] * (len(p.c) - 1), ONE)
         if self.sampled:
