@@ -18,7 +18,7 @@ from .positivity import Inequality
 Ranges = dict[tuple[str, Any], tuple[Fraction, Fraction]]  # the parameters that vary, each a symbol
 Taylor = tuple[int, int, int, int]  # 2^-BITS (c0 + c1 t + c2 t² ± r)
 CELLS, DEPTH, HALVED = 40_000, 60, ("impedance", "actuator", "edge")  # limits; the parameters that are not linear
-ZERO = Fraction(0)
+ZERO, UNKNOWN = Fraction(0), Fraction(2**2000)
 
 
 class Cell:
@@ -35,21 +35,16 @@ class Cell:
             rest = _fixed(d**3 / (c**3 * (c - d))) + 20
             self.taylor[-1] = -_fixed(1 / c), _fixed(d / c**2), -_fixed(d**2 / c**3), rest
 
-    def split(self, forms: Iterable[Form], names: Sequence[str]) -> list[Cell]:
-        """Two halves, the one at smaller ω first, along the symbol that these forms depend on most."""
-        live, symbols, deeper = [f for f in forms if f], [*self.ranges], self.depth + 1
-        low = min((f.e for f in live), default=0)
-        free = [k for k, (name, _) in enumerate(symbols, 1) if name in names] + [0] * (self.lo < self.hi)
-        demand(bool(free) and deeper < DEPTH, f"neither proven nor refuted{self}", UNDECIDED)
-        best = max(free, key=lambda k: sum(abs(f.l[k]) << min(f.e - low, 4 * BITS) for f in live))
-        lo, hi = self.ranges[symbols[best - 1]] if best else (self.lo, self.hi)
-        middle = (lo + hi) / (2 if best or lo else 4)
-        if best:
-            given = ({**self.ranges, symbols[best - 1]: half} for half in ((lo, middle), (middle, hi)))
-            return [Cell(self.lo, self.hi, self.far, ranges, deeper) for ranges in given]
-        below = (1 / hi, 1 / middle) if self.far else (lo, middle)
-        above = (lo, middle) if self.far else (middle, hi)
-        return [Cell(*below, False, self.ranges, deeper), Cell(*above, self.far, self.ranges, deeper)]
+    def halves(self, names: Sequence[str]) -> list[list[Cell]]:
+        """Two halves, the one at smaller ω first, along ω and along every parameter of these names."""
+        middle, deeper = (self.lo + self.hi) / (2 if self.lo else 4), self.depth + 1
+        below = (1 / self.hi, 1 / middle) if self.far and middle else (self.lo, middle)
+        above = (self.lo, middle) if self.far else (middle, self.hi)
+        found = [[Cell(*below, False, self.ranges, deeper), Cell(*above, self.far, self.ranges, deeper)]]
+        for key, (lo, hi) in self.ranges.items():
+            given = [{**self.ranges, key: half} for half in ((lo, (lo + hi) / 2), ((lo + hi) / 2, hi))]
+            found += [[Cell(self.lo, self.hi, self.far, r, deeper) for r in given]] if key[0] in names else []
+        return found if self.lo < self.hi else found[1:]
 
     def __str__(self) -> str:
         ω = (Decimal(self.lo.numerator) / self.lo.denominator).sqrt()
@@ -188,41 +183,57 @@ def roots(interval: tuple[Fraction, Any], breaks: Iterable[Fraction], ranges: Ra
     return [*cells, Cell(ZERO, 1 / Fraction(points[-1]), True, ranges)] if hi == inf else cells
 
 
-def compare(cell: Cell, part: Inequality) -> tuple[int, list[Form]]:
-    """Whether `Σ √terms < √bound` on the cell: 1, −1 at a corner of it, 0 not known; and the forms that decide."""
+def compare(cell: Cell, part: Inequality | Axis) -> tuple[int, Fraction]:
+    """Whether `Σ √terms < √bound` on the cell: 1, −1 at a corner of it, 0 not known; and how much is not linear."""
+    if isinstance(part, Axis):
+        return int(part.nonzero()), part.p.r * Fraction(2) ** part.p.e + part.q.r * Fraction(2) ** part.q.e
     forms, over = [f for f in map(cell.real, part.terms) if f] + [cell.real(part.bound)], cell.real(part.over)
     if cell.ends and part.strict and over and forms[-1].m > over.m:  # zero in the limit
-        return -(1 in (over.sign(), (-over).sign())), [over]
+        return -(1 in (over.sign(), (-over).sign())), Fraction(1)
     m = min(f.m for f in forms if f or f is forms[0]) if cell.ends else max(forms, key=Form.size).m
     *terms, bound = (Form(cell, 0, f.e, f.c, f.l, f.r) for f in (-f.at(m) if m % 2 else f.at(m) for f in forms))
     if len(terms) > 1:
         bound, terms = bound.root(), [f.root() for f in terms]
     for f in terms:
         bound = bound - f
-    return bound.sign(part.strict), forms
+    return bound.sign(part.strict), bound.r * Fraction(2) ** bound.e
 
 
 def cover(
-    cells: list[Cell], parts: Callable[[Cell], Iterator[Any]], deadline: float, halved: Sequence[str] = HALVED
+    cells: list[Cell], parts: Callable[[Cell], Iterator[Any]], deadline: float, names: Sequence[str] = HALVED
 ) -> str:
     """Where a part fails; empty if all are proven on all cells, in the order of ω; or CheckError."""
     stack = cells[::-1]
+
+    def look(cell: Cell) -> tuple[str, Fraction | None]:
+        """Where a part fails on the cell; else how much is not linear where one is not proven."""
+        doubt: Fraction | None = None
+        try:
+            for part in parts(cell):
+                if isinstance(part, str):
+                    return f": {part}", None
+                said, loose = compare(cell, part)
+                if said < 0:
+                    return str(cell), None
+                doubt = loose if said == 0 and doubt is None else doubt
+        except UnresolvedError:
+            doubt = UNKNOWN
+        return "", doubt
+
     for _ in range(CELLS):
         if not stack:
             return ""
         tick(deadline)
-        cell, unknown = stack.pop(), list[Form]()
-        try:
-            for part in parts(cell):
-                if isinstance(part, str):
-                    return f": {part}"
-                axis = isinstance(part, Axis)
-                said, forms = (part.nonzero(), [part.p, part.q]) if axis else compare(cell, part)
-                if said < 0:
-                    return str(cell)
-                unknown = unknown or ([] if said else forms)
-        except UnresolvedError as stop:
-            unknown = list(stop.args)
-        if unknown:
-            stack += cell.split(unknown, halved)[::-1]
+        cell = stack.pop()
+        text, doubt = look(cell)
+        if text:
+            return text
+        if doubt is not None:
+            choices = cell.halves(names)
+            demand(bool(choices) and cell.depth < DEPTH, f"neither proven nor refuted{cell}", UNDECIDED)
+            turn = cell.depth % len(choices)  # in turn where none is better
+            choices = choices[turn:] + choices[:turn]
+            if len(choices) > 1:  # what is least far from linear afterwards
+                choices.sort(key=lambda halves: sum(look(half)[1] or ZERO for half in halves))
+            stack += choices[0][::-1]
     raise CheckError(UNDECIDED, "neither proven nor refuted")

@@ -15,7 +15,7 @@ BITS = 64  # of a form's numbers
 
 
 class UnresolvedError(Exception):
-    """Forms whose sign had to be known, and is not on so large a cell."""
+    """A form whose sign had to be known, and is not on so large a cell."""
 
 
 class Form(Ring):
@@ -78,7 +78,7 @@ class Form(Ring):
             return -(-self).inverse()
         c, D = self.c, self.w + self.r
         if c <= D:
-            raise UnresolvedError(self)
+            raise UnresolvedError
         k = c.bit_length() + BITS
         one, rest = (1 << k) // c, (D * D << k) // (c * c * (c - D)) + 1
         r = (rest >> 1) + 2 * len(self.l) + 4 + (self.r << k) // (c * c)

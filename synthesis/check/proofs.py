@@ -129,7 +129,7 @@ class Prover:
             steps = (path[-1], path[-1] + 1, path[-1] - 1) if path else (0, 2)
             found = next((step for step in steps if signs[step % 4]), None)
             if found is None:
-                raise UnresolvedError(z.p, z.q)
+                raise UnresolvedError
             path.append(found)
             yield from ()
 

@@ -39,8 +39,8 @@ def check_bytes(data: bytes, *, time_limit: float = 60.0) -> Verdict:
     try:
         demand(deadline == deadline, "time limit: not a number", UNDECIDED)
         certificate = read(data)
-        compare(certificate)
         validate(certificate, deadline)
+        compare(certificate)
         prover = Prover(certificate, deadline)
     except CheckError as error:
         return Verdict(error.code, str(error))
