@@ -52,7 +52,7 @@ class Cell:
 
     def form(self, c: Fraction | int = 0, k: int = 0, value: Fraction | int = 0, r: Fraction | int = 0) -> Form:
         """`c + value t_k ± r` from rationals."""
-        top = Fraction(max(abs(c), abs(value), r))
+        top = max(abs(Fraction(c)), abs(Fraction(value)), Fraction(r))
         e = top.numerator.bit_length() - top.denominator.bit_length() - BITS if top else 0
         values, scale = [0] * (len(self.ranges) + 1), Fraction(2) ** -e
         values[k] = int(value * scale)
@@ -126,18 +126,17 @@ class Cell:
         """cos(aω) and sin(aω)/ω."""
         square = a * a * self.hi
         if self.ends or square < 16:  # at any θ the series' error is below its first omitted term
-            c, s = (
-                self.real(Poly.of(*(a**n * (-a * a) ** k / factorial(2 * k + n) for k in range(12)))) for n in (0, 1)
-            )
             rest = square**12 / factorial(24)
-            return c + self.form(r=rest), s + self.form(r=a * rest)
+            rows = ([a**n * (-a * a) ** k / factorial(2 * k + n) for k in range(12)] for n in (0, 1))
+            cos, sin = (self.real(Poly.of(*row)) for row in rows)
+            return cos + self.form(r=rest), sin + self.form(r=a * rest)
         θ, over = self.omega() * Poly.of(a), self.omega().inverse()
         D, none = θ.w + θ.r, [0] * len(θ.l)
         if θ.size() > 200 or D.bit_length() + θ.e > 1:
             return self.form(r=1), self.form(r=1) * over
         cos, sin = (Form(self, 0, -BITS, v, none, 2) for v in unit(θ.c, θ.e))
-        d, rest = Form(self, 0, θ.e, 0, θ.l, θ.r), Form(self, 0, 2 * θ.e - 1, 0, none, D * D)
-        return cos - sin * d + rest, (sin + cos * d + rest) * over  # |cos θ − cos c + d sin c| ≤ d²/2, so for sin
+        d, bend = Form(self, 0, θ.e, 0, θ.l, θ.r), Form(self, 0, 2 * θ.e - 1, 0, none, D * D)
+        return cos - sin * d + bend, (sin + cos * d + bend) * over  # |cos θ − cos c + d sin c| ≤ d²/2, so for sin
 
 
 def _fixed(value: Fraction) -> int:

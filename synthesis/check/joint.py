@@ -97,7 +97,7 @@ def ranges(spec: Section, sections: Any, v: Fraction = Fraction(1)) -> Ranges:
 def nominal(spec: Section, section: str, key: str) -> Fraction:
     """A parameter's nominal value: of an interval its midpoint."""
     part = spec[section][key]
-    return sum(part) / 2 if isinstance(part, tuple) else part  # type: ignore[no-any-return]
+    return (part[0] + part[1]) / 2 if isinstance(part, tuple) else part  # type: ignore[no-any-return]
 
 
 def stiffness(load: Any) -> Poly:

@@ -19,20 +19,20 @@ TOO_LARGE = "the polynomials are too large", UNDECIDED
 
 
 class Ring:
-    """What sums and products on the left give: differences, and polynomials on the left of quantities on a cell."""
+    """Differences, and a polynomial on the left of a quantity on a cell, from sum, product and negative."""
 
     __slots__ = ()
 
-    def __sub__(self, other: Any) -> Any:
+    def __sub__(self: Any, other: Any) -> Any:
         return self + -other
 
-    def __rsub__(self, other: Any) -> Any:
+    def __rsub__(self: Any, other: Any) -> Any:
         return -self + other
 
-    def __radd__(self, other: Any) -> Any:
+    def __radd__(self: Any, other: Any) -> Any:
         return self + other
 
-    def __rmul__(self, other: Any) -> Any:
+    def __rmul__(self: Any, other: Any) -> Any:
         return self * other
 
 

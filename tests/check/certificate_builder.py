@@ -120,6 +120,11 @@ def claim(kind: str, form: str, interval: list[str], margin: str | None, require
     }
 
 
+def slack_of(s: Json) -> float:
+    """Relative distance of a margin from the grid's; tight ones take long on a box of three nonlinear parameters."""
+    return 0.2 if s["uncertainty"].get("actuator") else 2e-3
+
+
 def omega_b(s: Json, controller: Json) -> float:
     return _omega_b(json.dumps([s, controller]))
 
@@ -150,7 +155,7 @@ Extra = tuple[str, str, list[str]]
 def certificate(s: Json, controller: Json, extra: list[Extra] | None = None, decay: str = "1") -> Json:
     """All claims the specification asks for, and `extra` ones that it does not: (id, form, interval)."""
     limits = s["constraints"]
-    proven = text(omega_b(s, controller) * (1 - 1e-5), 5)
+    proven = text(omega_b(s, controller) * (1 - slack_of(s) / 200), 5)
     whole, band = ["0", "inf"], ["0", proven]
     wanted: list[tuple[str, str, list[str], bool]] = []
     if limits["eq9"] is not None:
@@ -180,7 +185,7 @@ def certificate(s: Json, controller: Json, extra: list[Extra] | None = None, dec
     for kind, form, interval, required in wanted:
         hi = 1e5 if interval[1] == "inf" else num(interval[1])
         value = worst(s, controller, kind, form, num(interval[0]), hi)
-        slack = abs(value) * 2e-3
+        slack = abs(value) * slack_of(s)
         margin = value + slack if kind in FALLING else value - slack
         claims.append(claim(kind, form, interval, text(margin, 9), required))
     return seal(

@@ -10,7 +10,21 @@ from time import monotonic
 
 import numpy as np
 import pytest
-from certificate_builder import EQ23, FALLING, certificate, claim, data, dob, find, points, seal, spec, text, worst
+from certificate_builder import (
+    EQ23,
+    FALLING,
+    certificate,
+    claim,
+    data,
+    dob,
+    find,
+    points,
+    seal,
+    slack_of,
+    spec,
+    text,
+    worst,
+)
 from claim_floats import Joint, Json, num
 
 from robimp.synthesis.check import check_bytes
@@ -60,7 +74,7 @@ def test_true_certificates_pass_and_each_margin_a_little_harder_does_not(name: s
         if entry["form"] in ("hurwitz", "winding", "box"):
             continue
         kind, margin = entry["id"], num(entry["margin"])
-        step = 4e-3 * abs(margin) * (-1 if kind in FALLING else 1)
+        step = (1.5 * slack_of(s) + 2e-3) * abs(margin) * (-1 if kind in FALLING else 1)
         tight = copy.deepcopy(cert)
         harder = text(margin + step, 9)
         entry = find(tight, kind, entry["form"])
