@@ -100,6 +100,8 @@ class Cell:
         """`Σ a 2^e z^k`, z = −χ = 2^b ζ, of terms (k, a, e): the second order in t is summed before it is bounded."""
         if not terms:
             return self.form()
+        if not self.hi:  # ζ = 0: the first term is all
+            terms = [min(terms)]
         sized = [(a.bit_length() + e + k * self.b, k, a, e + k * self.b) for k, a, e in terms]
         top, largest = max(sized)[:2]
         m = at if at is not None else min(k for _, k, _, _ in sized) if self.ends else largest

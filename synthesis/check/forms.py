@@ -6,6 +6,7 @@ from math import isqrt
 from operator import mul
 from typing import TYPE_CHECKING, Any
 
+from .outcome import UNDECIDED, CheckError
 from .polynomials import Ring
 
 if TYPE_CHECKING:
@@ -14,8 +15,11 @@ if TYPE_CHECKING:
 BITS = 64  # of a form's numbers
 
 
-class UnresolvedError(Exception):
+class UnresolvedError(CheckError):
     """A form whose sign had to be known, and is not on so large a cell."""
+
+    def __init__(self) -> None:
+        super().__init__(UNDECIDED, "neither proven nor refuted")
 
 
 class Form(Ring):
@@ -49,11 +53,11 @@ class Form(Ring):
 
     def __add__(self, other: Any) -> Form:
         a, b = self, self.cell.real(other)
-        if not (a and b):
-            return a or b
-        if a.m != b.m:
+        if a and b and a.m != b.m:
             m = a.m if (a.m < b.m if self.cell.ends else a.size() > b.size()) else b.m
             a, b = a.at(m), b.at(m)
+        if not (a and b):
+            return a or b
         if a.e < b.e:
             a, b = b, a
         up = min(a.e - b.e, BITS)

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robimp.synthesis.check.cells import Cell, compare, cover, roots, unit
-from robimp.synthesis.check.forms import Axis, Form, UnresolvedError
+from robimp.synthesis.check.forms import Form, UnresolvedError
 from robimp.synthesis.check.outcome import CheckError
 from robimp.synthesis.check.polynomials import Poly
 from robimp.synthesis.check.positivity import Inequality

@@ -1,3 +1,4 @@
+# ruff: noqa: E501  (tables of edits, one a line)
 """Sampling, ranges of impedance and actuator, tables, two-ports, noise and coefficients: true and false certificates."""
 
 from __future__ import annotations
@@ -81,8 +82,15 @@ def test_true_certificates_pass_and_each_margin_a_little_harder_does_not(name: s
         entry["margin"] = harder
         if kind == "bandwidth":
             entry["interval"], tight["bandwidth"]["proven"] = ["0", harder], harder
-        bad = check_bytes(data(seal(tight)))
-        assert bad.exit_code in (4, 5) and bad.message.startswith(f"{kind} {entry['form']}: "), kind
+        tight["claims"] = [c for c in tight["claims"] if c["required"]]
+        bad = check_bytes(data(seal(tight)), time_limit=8)
+        assert (
+            bad.exit_code in (4, 5)
+            and dict(zip(((k, f) for k, f, _, _ in bad.claims), (c[2] for c in bad.claims), strict=True))[
+                kind, entry["form"]
+            ]
+            == "not verified"
+        ), kind
 
 
 @pytest.mark.parametrize("name", ["sampled", "range", "motor", "sampled range motor", "table"])
@@ -163,7 +171,7 @@ def test_random_joints_nothing_is_proven_that_floats_violate(seed: int) -> None:
         cert = certificate(s, controller)
     except AssertionError:  # no bandwidth
         return
-    said = {(k, f): status for k, f, status, _ in check_bytes(data(cert)).claims}
+    said = {(k, f): status for k, f, status, _ in check_bytes(data(cert), time_limit=10).claims}
     if not said:  # a required level is missed
         return
     for entry in cert["claims"]:
