@@ -1,69 +1,117 @@
-"""The joint a certificate speaks about, as polynomials in s that every statement is made of."""
+"""The joint a certificate speaks about: the quantities that every statement is made of, as polynomials or on a cell."""
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
+from .cells import Cell, Ranges
 from .outcome import MISMATCH, demand
 from .polynomials import ONE, ZERO, Poly, decays_faster, norm2
 
-Rational = tuple[Poly, Poly]  # numerator, denominator
+Section = dict[str, Any]  # of the certificate
+Value = Any  # a Poly in s, or an Axis on a cell
+Real = Any  # a Poly in x = ω², or a Form on a cell
+Point = Mapping[tuple[str, Any], Any]  # (section, parameter) to its value where it is not the nominal one
+S = Poly.of(0, 1)
 
 
 class Joint:
     """`Z(g) = (E g + M)/locked`, `1 − Q̃ = E/locked`; with an ideal actuator `1 − Q_i = E_i/D_i`, `U = U_n/D_i`.
-    E g + M is the characteristic polynomial in free motion, locked the one against a wall; a filter of its own on θ
-    makes the feedback C F_θ."""
+    E g + M is the characteristic function in free motion, locked the one against a wall; a filter of its own on θ
+    makes the feedback C F_θ. The hold multiplies n_H."""
 
-    def __init__(self, certificate: dict[str, Any], deadline: float) -> None:
-        spec = self.spec = certificate["spec"]
-        self.deadline = deadline
-        self.nominal, self.desired = stiffness(spec["plant"].values()), stiffness(spec["impedance"].values())
-        self.n_H, self.n_Z, self.d = _actuator(spec["actuator"])
-        n_C, d_C = _compensator(certificate["controller"], spec["controller"])
+    def __init__(self, spec: Section, controller: Section, point: Point, cell: Cell | None = None) -> None:
+        self.spec, self.cell, self.nominal = spec, cell, stiffness(spec["plant"].values())
+        self.load, self.desired = (
+            _value(spec, point, section, "inertia") * (S * S)
+            + _value(spec, point, section, "damping") * S
+            + _value(spec, point, section, "stiffness")
+            for section in ("plant", "impedance")
+        )
+        self.n_H, self.n_Z, self.d = _actuator(spec, point)
+        if cell and spec["sampling"]:
+            self.n_H = self.n_H * cell.hold(*spec["sampling"].values())
+        n_C, d_C = _compensator(controller, point)
         filters = spec["controller"]["filters"] or {"force": None, "position": None, "derivative": None}
         own, d_F, d_Fd = filters["position"], _lag(filters["force"]), _lag(filters["derivative"])
         d_θ = _lag(None if own == "none" else own)
-        direct = d_C * d_F * d_θ
-        feedback = n_C * d_F if own is not None else n_C
-        self.E_i = direct * d_Fd
+        direct, feedback = d_C * (d_F * d_θ), n_C * d_F if own is not None else n_C
+        self.command, self.rest = n_C * (self.d * d_Fd * d_θ), n_C * (self.n_H * (d_Fd * d_θ))
+        self.E_i, self.D_i = direct * d_Fd, direct * d_Fd + n_C * (d_Fd * d_θ)
         self.U_n = feedback * d_Fd * self.desired - direct * (self.nominal - self.desired)
-        self.D_i = d_Fd * d_θ * (d_C * d_F + n_C)
-        self.E = self.d * self.E_i
-        self.M = self.n_Z * self.E_i + self.n_H * self.U_n
-        self.locked = d_Fd * d_θ * (self.d * d_C * d_F + self.n_H * n_C)
-        self.box, weight = spec["uncertainty"]["box"], spec["uncertainty"]["weight"]
+        self.E, self.M = self.d * self.E_i, self.n_Z * self.E_i + self.n_H * self.U_n
+        self.locked = self.E + self.rest
+        self.box, weight, table = (spec["uncertainty"][key] for key in ("box", "weight", "table"))
         # Corners of the rectangle that g(jω) moves in; its edge v = B_lo ω, a segment of loads, if K_hi > 0.
-        self.corners: list[Poly] = [self.nominal]
-        self.edge: list[Poly] = []
+        self.corners: list[Value] = [self.nominal]
+        self.edge: list[Value] = []
         if self.box:
-            demand(contains(spec, spec["plant"]), "spec.uncertainty.box: does not contain the nominal load")
             (I_lo, I_hi), B, (K_lo, K_hi) = self.box.values()
             corners = [stiffness((I, b, K)) for b in B for I, K in ((I_hi, K_lo), (I_lo, K_hi))]  # noqa: E741
-            self.corners, self.edge = list(dict.fromkeys(corners)), corners[:2] if K_hi > 0 else []
-        n_w, d_w = _rational(weight) if weight else (ZERO, ONE)
-        usable = len(n_w.c) <= len(d_w.c) and decays_faster(d_w, Fraction(0), deadline)
-        demand(usable, "spec.uncertainty.weight: must be stable and proper")
-        self.weight = norm2(n_w), norm2(d_w)  # |W_w|², polynomials in x
+            self.corners = list(dict.fromkeys(corners))
+            self.edge = [corners[0] + t * (corners[1] - corners[0]) for key, t in point.items() if key[0] == "edge"]
+        # Sources of a disc, |Δ|² each as gap/size; together V² = gap/size.
+        n_w, d_w = rational(weight) if weight else (ZERO, ONE)
+        self.disc: tuple[Real, Real] = (norm2(n_w), norm2(d_w))
+        self.sources: list[tuple[Real, Real]] = [self.disc] if weight else []
+        if cell and table:
+            W_t, (gap, size) = _table(table["points"], cell), map(cell.real, self.disc)
+            V = ((gap * size.inverse()).at(0).root() + ONE) * (W_t + ONE) - ONE
+            self.sources, self.disc = [*self.sources, (W_t * W_t, ONE)], (V * V, ONE)
 
-    def free(self, g: Poly) -> Poly:
+    def free(self, g: Value) -> Value:
         """`free` for the dynamic stiffness of a load: numerator of Z over `locked`."""
         return self.E * g + self.M
 
-    def loads(self, load: Poly | None) -> list[Poly]:
+    def loads(self, load: Poly | None) -> list[Value]:
         """The one load of a witness, or those that decide a condition affine or convex in the load."""
         return self.corners if load is None else [load]
 
+    def loop(self, name: str) -> tuple[Value, Value]:
+        """The characteristic function as two summands, without and with the hold."""
+        if name == "stability-locked":
+            return self.E, self.rest
+        return self.E * self.load + self.n_Z * self.E_i, self.n_H * self.U_n
 
-def contains(spec: dict[str, Any], load: dict[str, Fraction]) -> bool:
-    """Whether the box contains a load; without one, whether it is the nominal load."""
-    box = spec["uncertainty"]["box"] or {key: (part, part) for key, part in spec["plant"].items()}
-    return all(lo <= load[key] <= hi for key, (lo, hi) in box.items())
+    def over_locked(self, cell: Cell) -> "Joint":
+        """Everything over `locked`, which changes no statement and varies little on a cell."""
+        by = cell.axis(self.locked).inverse()
+        self.D_i, self.E_i, self.U_n = self.D_i * by, self.E_i * by, self.U_n * by
+        self.E, self.M, self.command, self.locked = ONE - self.rest * by, self.M * by, self.command * by, ONE
+        return self
 
 
-def stiffness(load: Iterable[Fraction]) -> Poly:
+def ranges(spec: Section, sections: Any, v: Fraction = Fraction(1)) -> Ranges:
+    """The parameters a specification gives a range, scaled by v about the nominal."""
+    given = spec["uncertainty"]
+    boxes = {"plant": given["box"], "impedance": spec["impedance"], "actuator": given["actuator"]}
+    found = {(name, key): part for name in sections for key, part in (boxes[name] or {}).items()}
+    return {
+        key: (n - v * (n - part[0]), n + v * (part[1] - n))
+        for key, part in found.items()
+        if isinstance(part, tuple) and part[0] < part[1]
+        for n in [nominal(spec, *key)]
+    }
+
+
+def nominal(spec: Section, section: str, key: str) -> Fraction:
+    """A parameter's nominal value: of an interval its midpoint."""
+    part = spec[section][key]
+    return (part[0] + part[1]) / 2 if isinstance(part, tuple) else part  # type: ignore[no-any-return]
+
+
+def stiffness(load: Any) -> Poly:
     """`g = I s² + B s + K`, from I, B, K."""
     return Poly.of(*reversed(tuple(load)))
+
+
+def rational(section: Section) -> tuple[Poly, Poly]:
+    """Numerator, denominator."""
+    return Poly.of(*section["numerator"]), Poly.of(*section["denominator"])
+
+
+def _value(spec: Section, point: Point, section: str, key: str) -> Value:
+    return point[section, key] if (section, key) in point else Poly.of(nominal(spec, section, key))
 
 
 def _lag(corner: Fraction | None) -> Poly:
@@ -71,40 +119,73 @@ def _lag(corner: Fraction | None) -> Poly:
     return ONE if corner is None else Poly.of(1, 1 / corner)
 
 
-def _actuator(section: dict[str, Any]) -> tuple[Poly, Poly, Poly]:
-    """`n_H, n_Z, d`: torque transfer and output impedance of (13)-(15) over one denominator."""
+def _actuator(spec: Section, point: Point) -> tuple[Value, Value, Value]:
+    """`n_H, n_Z, d`: torque transfer and output impedance over one denominator, from (13)-(15) or as given."""
+    section = spec["actuator"]
     if section["type"] == "ideal":
         return ONE, ZERO, ONE
-    loop, K_sp = section["torque_loop"], Poly.of(section["spring_stiffness"])
+    if section["type"] == "two-port":
+        (n_H, d_H), (n_Z, d_Z) = rational(section["transfer"]), rational(section["impedance"])
+        return (n_H, n_Z, d_H) if d_H == d_Z else (n_H * d_Z, n_Z * d_H, d_H * d_Z)
+    J, b, K_sp, loop = (*(_value(spec, point, "actuator", key) for key in MOTOR), section["torque_loop"])
     lag = _lag(loop["derivative_corner"])
-    C_t = Poly.of(loop["kp"]) * lag + Poly.of(0, loop["kd"])
-    motor = Poly.of(0, section["motor_damping"], section["motor_inertia"]) * lag
+    C_t, motor = Poly.of(loop["kp"]) * lag + Poly.of(0, loop["kd"]), J * (S * S * lag) + b * (S * lag)
     return K_sp * (C_t + Poly.of(loop["feedforward"]) * lag), K_sp * motor, motor + K_sp * (lag + C_t)
 
 
-def _compensator(given: dict[str, Any], asked: dict[str, Any]) -> Rational:
-    """`n_C, d_C`, after checking that the controller is one the specification allows."""
+MOTOR = "motor_inertia", "motor_damping", "spring_stiffness"
+
+
+def _compensator(given: Section, point: Point) -> tuple[Value, Value]:
+    """`n_C, d_C`; with coefficients c of Q, or of C, as c(1 + e) where the point has e."""
+    perturbed = [key for key in point if key[0] in ("numerator", "denominator")]
+    name = "Q" if "Q" in given and perturbed else "C"
+    terms = dict(zip(("numerator", "denominator"), rational(given[name]), strict=True))
+    for part, k in perturbed:
+        terms[part] = terms[part] + point[part, k] * Poly.of(*[0] * k, given[name][part][k])
+    n, d = terms.values()
+    return (n, d - n) if name == "Q" else (n, d)
+
+
+def _table(points: list[list[Fraction]], cell: Cell) -> Real:
+    """W_t, linear in ω between the points, which are ends of cells."""
+    k = len(points) if cell.far else sum(ω * ω <= cell.lo for ω, _ in points)
+    if k in (0, len(points)):
+        return cell.form(points[min(k, len(points) - 1)][1])
+    (a, u), (b, v) = points[k - 1 : k + 1]
+    return cell.omega() * Poly.of((v - u) / (b - a)) + Poly.of(u - a * (v - u) / (b - a))
+
+
+def validate(certificate: Section, deadline: float) -> None:
+    """Check that the specification makes sense, and that it allows the controller; or CheckError."""
+    spec, given, asked = certificate["spec"], certificate["controller"], certificate["spec"]["controller"]
+    for name, section in (("box", "plant"), ("actuator", "actuator")):
+        for key, (lo, hi) in (spec["uncertainty"][name] or {}).items():
+            inside = key in spec[section] and lo <= spec[section][key] <= hi
+            demand(inside, f"spec.uncertainty.{name}: does not contain the nominal {key}")
+    weight, actuator = spec["uncertainty"]["weight"], spec["actuator"]
+    for key in ("transfer", "impedance") if actuator["type"] == "two-port" else ():
+        demand(
+            len(rational(actuator[key])[0].c) <= len(rational(actuator[key])[1].c), f"spec.actuator.{key}: not proper"
+        )
+    n, d = rational(weight) if weight else (ZERO, ONE)
+    usable = len(n.c) <= len(d.c) and decays_faster(d, Fraction(0), deadline)
+    demand(usable, "spec.uncertainty.weight: must be stable and proper")
     demand(given["type"] == asked["type"], "controller.type: is not the specification's", MISMATCH)
     name = "Q" if given["type"] == "dob" else "C"
-    (n, d), C = _rational(given[name]), _rational(given["C"])
+    (n, d), C = rational(given[name]), rational(given["C"])
     order, place = max(len(n.c), len(d.c)) - 1, f"controller.{name}"
     if name == "Q":
         demand(len(n.c) <= len(d.c) and n != d, "controller.Q: must be proper and not 1")
         trimmed = all(len(c) == 1 or c[-1] != 0 for c in given["C"].values())
         demand(trimmed and _monic(C) == _monic((n, d - n)), "controller.C: is not Q/(1-Q)", MISMATCH)
-    if asked["coefficients"] is not None:
-        same = _monic((n, d)) == _monic(_rational(asked["coefficients"]))
-        demand(same, f"{place}: is not the one the specification gives", MISMATCH)
+    same = asked["coefficients"] is None or _monic((n, d)) == _monic(rational(asked["coefficients"]))
+    demand(same, f"{place}: is not the one the specification gives", MISMATCH)
     demand(asked["order"] is None or order <= asked["order"], f"{place}: is above the specification's order", MISMATCH)
     demand(asked["form"] is None or (len(n.c) <= 1 and len(d.c) == 3), f"{place}: is not of the form (23)", MISMATCH)
-    return C
 
 
-def _rational(section: dict[str, Any]) -> Rational:
-    return Poly.of(*section["numerator"]), Poly.of(*section["denominator"])
-
-
-def _monic(p: Rational) -> Rational:
+def _monic(p: tuple[Poly, Poly]) -> tuple[Poly, Poly]:
     """The same two polynomials up to one common factor: nothing is cancelled."""
     scale = Poly.of(Fraction(p[1].d, p[1].c[-1]))
     return p[0] * scale, p[1] * scale

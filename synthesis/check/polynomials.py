@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import zip_longest
 from math import gcd, lcm
+from typing import Any
 
 from .outcome import UNDECIDED, demand, tick
 
@@ -16,8 +18,26 @@ PRIME = 2**61 - 1
 TOO_LARGE = "the polynomials are too large", UNDECIDED
 
 
+class Ring:
+    """Differences, and a polynomial on the left of a quantity on a cell, from sum, product and negative."""
+
+    __slots__ = ()
+
+    def __sub__(self: Any, other: Any) -> Any:
+        return self + -other
+
+    def __rsub__(self: Any, other: Any) -> Any:
+        return -self + other
+
+    def __radd__(self: Any, other: Any) -> Any:
+        return self + other
+
+    def __rmul__(self: Any, other: Any) -> Any:
+        return self * other
+
+
 @dataclass(frozen=True, slots=True)
-class Poly:
+class Poly(Ring):
     """`Σ c[k] z^k / d` in lowest terms: c ascending without zeros at the top, d > 0."""
 
     c: tuple[int, ...]
@@ -29,20 +49,37 @@ class Poly:
         d = lcm(*(Fraction(a).denominator for a in ascending))
         return _lowest([int(a * d) for a in ascending], d)
 
-    def at(self, k: int) -> Fraction:
-        """Coefficient of z^k."""
-        return Fraction(self.c[k], self.d) if 0 <= k < len(self.c) else Fraction(0)
+    def __bool__(self) -> bool:
+        return bool(self.c)
 
-    def __add__(self, other: Poly) -> Poly:
-        d = lcm(self.d, other.d)
-        p, q = d // self.d, d // other.d
-        return _lowest([a * p + b * q for a, b in zip_longest(self.c, other.c, fillvalue=0)], d)
+    def __add__(self, other: Any) -> Any:
+        return _sum(self, other) if isinstance(other, Poly) else NotImplemented
 
-    def __sub__(self, other: Poly) -> Poly:
-        return self + Poly(tuple(-a for a in other.c), other.d)
+    def __neg__(self) -> Poly:
+        return Poly(tuple(-a for a in self.c), self.d)
 
-    def __mul__(self, other: Poly) -> Poly:
-        return _lowest(product(self.c, other.c), self.d * other.d)
+    def __mul__(self, other: Any) -> Any:
+        return _product(self, other) if isinstance(other, Poly) else NotImplemented
+
+    def conj(self) -> Poly:
+        """`conj p(jω) = p(−jω)`."""
+        return Poly(tuple(-a if k % 2 else a for k, a in enumerate(self.c)), self.d)
+
+    def parts(self) -> tuple[Poly, Poly]:
+        """`Re p(jω)` and `Im p(jω)/ω`, polynomials in x = ω²."""
+        signed = [a if k % 4 < 2 else -a for k, a in enumerate(self.c)]
+        return _lowest(signed[0::2], self.d), _lowest(signed[1::2], self.d)
+
+
+@lru_cache(maxsize=4096)  # every cell asks for the same sums and products
+def _sum(p: Poly, q: Poly) -> Poly:
+    d = lcm(p.d, q.d)
+    return _lowest([a * (d // p.d) + b * (d // q.d) for a, b in zip_longest(p.c, q.c, fillvalue=0)], d)
+
+
+@lru_cache(maxsize=4096)
+def _product(p: Poly, q: Poly) -> Poly:
+    return _lowest(product(p.c, q.c), p.d * q.d)
 
 
 def _lowest(c: list[int], d: int) -> Poly:
@@ -59,15 +96,13 @@ def _trimmed(c: list[int]) -> list[int]:
 ZERO, ONE, X = Poly(()), Poly((1,)), Poly((0, 1))
 
 
-def on_axis(p: Poly, q: Poly) -> tuple[Poly, Poly]:
-    """`Re[p(jω) conj q(jω)]` and `Im[…]/ω = Re[p conj q/(jω)]`, polynomials in x = ω²: conj q(jω) is q(−jω)."""
-    whole = p * Poly(tuple(-a if k % 2 else a for k, a in enumerate(q.c)), q.d)
-    signed = [a if k % 4 < 2 else -a for k, a in enumerate(whole.c)]
-    return _lowest(signed[0::2], whole.d), _lowest(signed[1::2], whole.d)
+def on_axis(p: Any, q: Any) -> tuple[Any, Any]:
+    """`Re[p(jω) conj q(jω)]` and `Im[…]/ω`: polynomials in x = ω², or forms on a cell."""
+    return (p * q.conj()).parts()  # type: ignore[no-any-return]
 
 
-def norm2(p: Poly) -> Poly:
-    """`|p(jω)|²`, a polynomial in x = ω²."""
+def norm2(p: Any) -> Any:
+    """`|p(jω)|²`: a polynomial in x = ω², or a form on a cell."""
     return on_axis(p, p)[0]
 
 
@@ -81,9 +116,8 @@ def product(a: Row, b: Row) -> list[int]:
     demand(len(a) * len(b) * size(a) * size(b) <= WORK_LIMIT, *TOO_LARGE)
     out = [0] * (len(a) + len(b) - 1 if a and b else 0)
     for i, p in enumerate(a):
-        if p:
-            for j, q in enumerate(b, i):
-                out[j] += p * q
+        for j, q in enumerate(b, i):
+            out[j] += p * q
     return out
 
 
@@ -98,24 +132,21 @@ def mobius(p: Row, a: int, b: int, c: int, d: int) -> list[int]:
     return out
 
 
-def primitive(p: Row) -> list[int]:
-    """p over the gcd of its coefficients, zeros at the top removed; the sign stays."""
-    g = gcd(*p)
-    return _trimmed([a // g for a in p]) if g else []
+def primitive(p: Row, prime: int = 0) -> list[int]:
+    """p over the gcd of its coefficients, zeros at the top removed, the sign stays; or p modulo a prime."""
+    g = gcd(*p) or 1
+    return _trimmed([a % prime if prime else a // g for a in p])
 
 
-def common_divisor(p: Row, q: Row, prime: int = 0) -> list[int]:
+def common_divisor(p: Row, q: Row, deadline: float, prime: int = 0) -> list[int]:
     """Greatest common divisor over the rationals, primitive, or up to a factor modulo a prime: constant if coprime."""
-
-    def reduced(row: Row) -> list[int]:
-        return _trimmed([a % prime for a in row]) if prime else primitive(row)
-
-    a, b = reduced(p), reduced(q)
+    a, b = primitive(p, prime), primitive(q, prime)
     while b:
+        tick(deadline)
         demand(len(a) * len(b) * size(a) * size(b) <= WORK_LIMIT, *TOO_LARGE)
         while len(a) >= len(b):
             aligned = [0] * (len(a) - len(b)) + b
-            a = reduced([b[-1] * u - a[-1] * w for u, w in zip(a, aligned, strict=True)])
+            a = primitive([b[-1] * u - a[-1] * w for u, w in zip(a, aligned, strict=True)], prime)
         a, b = b, a
     return a
 
@@ -132,7 +163,7 @@ def quotient(p: Row, q: Row) -> list[int]:
 
 def decays_faster(p: Poly, rate: Fraction, deadline: float) -> bool:
     """Whether every root of p has Re s < −rate [1/s]: p(s − rate) has a strictly positive first Routh column."""
-    if not p.c:
+    if not p:
         return False
     shifted = mobius(p.c, -rate.numerator, rate.denominator, rate.denominator, 0)[::-1]
     upper, lower = ([a if shifted[0] > 0 else -a for a in shifted[k::2]] for k in (0, 1))

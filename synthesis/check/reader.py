@@ -6,13 +6,13 @@ import re
 from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from math import inf, lcm
 from typing import Any
 
 from .outcome import UNREADABLE, CheckError, demand
 
-MAX_BYTES, MAX_DIGITS, MAX_DEGREE, MAX_CLAIMS, MAX_DEPTH = 4_000_000, 2_000, 100, 64, 12
+MAX_BYTES, MAX_DIGITS, MAX_DEGREE, MAX_CLAIMS, MAX_POINTS, MAX_DEPTH = 4_000_000, 2_000, 100, 64, 1_000, 12
 NUMBER = re.compile(r"(-?(?:0|[1-9][0-9]*))(?:/([1-9][0-9]*))?")
 STRUCTURE = re.compile(rb'"(?:[^"\\]|\\.)*"|[\[\]{}]', re.DOTALL)
 
@@ -72,18 +72,19 @@ def _meaning(schema: Any, value: Any, path: str) -> Any:
 
 
 def _record(schema: dict[str, Any], value: dict[str, Any], path: str) -> dict[str, Any]:
-    """Exactly the schema's keys: `key~` may be null, `key?` may be absent too; "type" may choose among records."""
+    """Exactly the schema's keys: `key~` may be null, `key?` absent too, `key-` only absent; "type" may choose."""
     if isinstance(variants := schema.get("type"), dict):
         kind = _meaning(tuple(variants), value.get("type"), f"{path}.type")
         schema = {"type": str, **variants[kind]}
-    fields = {key.rstrip("~?"): (key[-1], inner) for key, inner in schema.items()}
+    fields = {key.rstrip("~?-"): (key[-1], inner) for key, inner in schema.items()}
     for key in value:
         demand(key in fields, f"{path}: unknown field {key!a:.40}")
     found = {}
     for key, (mark, inner) in fields.items():
-        demand(key in value or mark == "?", f"{path}.{key}: missing")
-        null = value.get(key) is None and mark in "~?"
-        found[key] = None if null else _meaning(inner, value[key], f"{path}.{key}")
+        demand(key in value or mark in "?-", f"{path}.{key}: missing")
+        if key in value or mark == "?":
+            null = value.get(key) is None and mark in "~?"
+            found[key] = None if null else _meaning(inner, value[key], f"{path}.{key}")
     return found
 
 
@@ -127,6 +128,20 @@ def _coefficients(value: Any, path: str, nonzero: bool = False) -> tuple[Fractio
     return found
 
 
+def _number_or(schema: Any, value: Any, path: str) -> Any:
+    return schema(value, path) if isinstance(value, list) else NATURAL(value, path)
+
+
+def _points(value: Any, path: str) -> list[list[Fraction]]:
+    found = _meaning([[NATURAL]], value, path)
+    demand(
+        0 < len(found) <= MAX_POINTS and all(len(point) == 2 for point in found), f"{path}: expected 1 to 1000 pairs"
+    )
+    demand(all(a[0] < b[0] for a, b in pairwise(found)), f"{path}: frequencies must increase")
+    return found  # type: ignore[no-any-return]
+
+
+RANGE = partial(_interval, end=NATURAL)
 RATIONAL = {"numerator": _coefficients, "denominator": partial(_coefficients, nonzero=True)}
 LOAD = {"inertia": NATURAL, "damping": NATURAL, "stiffness": NATURAL}
 LOOP = {"kp": NATURAL, "kd": NATURAL, "derivative_corner": POSITIVE, "feedforward": number}
@@ -136,9 +151,17 @@ SPEC = {
     "name": str,
     "motion": ("rotary", "linear"),
     "plant": {**LOAD, "inertia": POSITIVE},
-    "uncertainty": {"box?": dict.fromkeys(LOAD, partial(_interval, end=NATURAL)), "weight?": RATIONAL},
-    "actuator": {"type": {"ideal": {}, "series-elastic": MOTOR}},
-    "impedance": LOAD,
+    "sampling?": {"rate": POSITIVE, "delay": NATURAL},
+    "uncertainty": {
+        "box?": dict.fromkeys(LOAD, RANGE),
+        "weight?": RATIONAL,
+        "table?": {"points": _points, "beyond": ("hold",)},
+        "actuator?": {"motor_inertia-": RANGE, "motor_damping-": RANGE, "spring_stiffness-": RANGE},
+    },
+    "actuator": {
+        "type": {"ideal": {}, "series-elastic": MOTOR, "two-port": {"transfer": RATIONAL, "impedance": RATIONAL}}
+    },
+    "impedance": dict.fromkeys(LOAD, partial(_number_or, RANGE)),
     "controller": {
         "type": ("dob", "dynamic-feedback"),
         "order?": int,
@@ -152,6 +175,8 @@ SPEC = {
         "eq12?": {"form": ("paper", "disc", "structured"), "band?": _interval, "margin": NATURAL},
         "eq18?": {"form": ("paper", "lumped", "half-plane"), "coupling": ("frozen", "physical")},
         "peak?": POSITIVE,
+        "noise?": {"gain": POSITIVE, "above?": NATURAL},
+        "tolerance?": POSITIVE,
         "friction": ("report", "require"),
     },
 }
@@ -161,7 +186,15 @@ CLAIM = {
     "required": bool,
     "status": ("proven", "refuted", "undecided"),
     "margin~": number,
-    "refuted_at~": {"value": number, "omega~": FREQUENCY, "load~": LOAD},
+    "refuted_at~": {
+        "value": number,
+        "omega~": FREQUENCY,
+        "load~": dict.fromkeys(LOAD, number),
+        "impedance?": dict.fromkeys(LOAD, number),
+        "actuator?": {"motor_inertia": number, "motor_damping": number, "spring_stiffness": number},
+        "controller?": RATIONAL,
+        "claim?": [str],
+    },
     "hints": dict,
 }
 CERTIFICATE = {

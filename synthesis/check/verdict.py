@@ -3,18 +3,14 @@
 import time
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context, Decimal
-from fractions import Fraction
-from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from .joint import Joint, stiffness
+from .joint import validate
 from .outcome import FALSE, MISMATCH, UNDECIDED, UNREADABLE, CheckError, demand
-from .polynomials import Poly
-from .positivity import counterexample, square
+from .proofs import Prover
 from .reader import MAX_BYTES, read
-from .requirements import SIGNED, WHOLE, Interval, compare
-from .statements import STATEMENTS, port_ends
+from .requirements import WHOLE, compare
 
 
 @dataclass(frozen=True)
@@ -41,9 +37,11 @@ def check_bytes(data: bytes, *, time_limit: float = 60.0) -> Verdict:
     """Re-prove every claim of a certificate from its specification and controller alone; `time_limit` in seconds."""
     deadline = time.monotonic() + time_limit
     try:
+        demand(deadline == deadline, "time limit: not a number", UNDECIDED)
         certificate = read(data)
+        validate(certificate, deadline)
         compare(certificate)
-        joint = Joint(certificate, deadline)
+        prover = Prover(certificate, deadline)
     except CheckError as error:
         return Verdict(error.code, str(error))
     claims, stops = [], []
@@ -51,7 +49,7 @@ def check_bytes(data: bytes, *, time_limit: float = 60.0) -> Verdict:
         name, status = f"{claim['id']} {claim['form']}", claim["status"]
         message = f"{name}: {status}"
         try:
-            _check(joint, claim)
+            _check(prover, claim)
         except CheckError as error:
             status, message = "not verified", f"{name}: {error}"
             stops.append((error.code, message))
@@ -64,38 +62,20 @@ def check_bytes(data: bytes, *, time_limit: float = 60.0) -> Verdict:
     return Verdict(0, f"ω_B ≥ {omega_b} rad/s  {proven} claims", omega_b, tuple(claims))
 
 
-def _check(joint: Joint, claim: dict[str, Any]) -> None:
+def _check(prover: Prover, claim: dict[str, Any]) -> None:
     """Re-prove one claim at its margin, and verify that it fails at its witness."""
+    kind, whole = (claim["id"], claim["form"]), claim["interval"] == WHOLE
     required, status, interval, witness = (claim[key] for key in ("required", "status", "interval", "refuted_at"))
     if status == "proven":
-        fault = _fault(joint, claim, claim["margin"], interval)
+        fault = prover.fault(kind, claim["margin"], interval, whole)
         demand(not fault, f"does not hold{fault}", FALSE)
     if witness is not None:
-        v, omega, load = witness.values()
-        place = interval if omega is None else (omega, omega)
-        fault = _fault(joint, claim, v, place, load and stiffness(load.values()))
-        demand(fault != "", "refuted_at: it holds there", FALSE)
+        v, omega = witness["value"], witness["omega"]
+        fault = prover.fault(kind, v, interval if omega is None else (omega, omega), whole, witness)
+        demand(
+            fault != "",
+            f"its witness of {'refutation' if status == 'refuted' else 'tightness'} is false: it holds there",
+            FALSE,
+        )
         demand(not required or status != "refuted", f"required, and refuted{fault}", FALSE)
     demand(not required or status != "undecided", "required, and undecided", UNDECIDED)
-
-
-def _fault(joint: Joint, claim: dict[str, Any], v: Fraction, interval: Interval, load: Poly | None = None) -> str:
-    """Where the statement fails at v, as text; empty if it is proven. Undecided only if no part fails."""
-    kind, undecided = (claim["id"], claim["form"]), None
-    lo, hi = map(square, interval)
-    whole = claim["interval"] == WHOLE and (kind in SIGNED or kind[0] == "friction")
-    ends = port_ends(kind[0] == "friction", joint, load, interval) if whole else ()
-    for part in chain(STATEMENTS[kind](joint, v, load), ends):
-        if isinstance(part, str):
-            return f": {part}"
-        try:
-            at = counterexample(part, lo, hi, joint.deadline)
-        except CheckError as error:
-            undecided = error
-        else:
-            if at is not None:
-                frequency = "inf" if at[1] == 0 else format((Decimal(at[0]) / Decimal(at[1])).sqrt(), ".6g")
-                return f" at ω = {frequency} rad/s"
-    if undecided:
-        raise undecided
-    return ""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from fractions import Fraction
 from itertools import product
 from typing import Any
+
+import numpy
 
 Json = Any
 Load = tuple[float, float, float]
@@ -28,14 +31,19 @@ def at(rational: Json, s: complex) -> complex:
 class Joint:
     """Transfer functions of a specification and a controller at s = jω."""
 
-    def __init__(self, spec: Json, controller: Json, omega: float) -> None:
+    def __init__(self, spec: Json, controller: Json, omega: float, point: Json = None) -> None:
+        """`point`: impedance and actuator parameters that are not at their nominal values."""
         s = self.s = 1j * omega
-        self.spec = spec
+        self.spec, self.point, self.omega = spec, point or {}, omega
         I, B, K = (num(v) for v in spec["plant"].values())  # noqa: E741
         self.nominal = (I, B, K)
         self.g_hat = self.g(self.nominal)
-        self.m = self.g(tuple(num(v) for v in spec["impedance"].values()))  # type: ignore[arg-type]
+        m = {key: num(v) if isinstance(v, str) else sum(map(num, v)) / 2 for key, v in spec["impedance"].items()}
+        self.m = self.g(tuple({**m, **self.point.get("impedance", {})}.values()))  # type: ignore[arg-type]
         self.H, self.Za = self._actuator()
+        if spec.get("sampling"):
+            T, delay = 1 / num(spec["sampling"]["rate"]), num(spec["sampling"]["delay"])
+            self.H *= cmath.exp(-s * delay) * (1 - cmath.exp(-s * T)) / (s * T)
         f = spec["controller"].get("filters") or {}
 
         def lag(corner: str | None) -> complex:
@@ -59,10 +67,16 @@ class Joint:
         a, s = self.spec["actuator"], self.s
         if a["type"] == "ideal":
             return 1, 0
+        if a["type"] == "two-port":
+            return at(a["transfer"], s), at(a["impedance"], s)
         t = a["torque_loop"]
+        a = {
+            **{key: num(v) for key, v in a.items() if isinstance(v, str) and key != "type"},
+            **self.point.get("actuator", {}),
+        }
         Ct = num(t["kp"]) + num(t["kd"]) * s / (1 + s / num(t["derivative_corner"]))
-        P = 1 / (num(a["motor_inertia"]) * s**2 + num(a["motor_damping"]) * s)
-        k = num(a["spring_stiffness"])
+        P = 1 / (a["motor_inertia"] * s**2 + a["motor_damping"] * s)
+        k = a["spring_stiffness"]
         below = 1 + k * P * (1 + Ct)
         return k * P * (Ct + num(t["feedforward"])) / below, k / below
 
@@ -74,8 +88,12 @@ class Joint:
 
     @property
     def weight(self) -> float:
-        w = self.spec["uncertainty"].get("weight")
-        return abs(at(w, self.s)) if w else 0.0
+        w, table = self.spec["uncertainty"].get("weight"), self.spec["uncertainty"].get("table")
+        W_w, W_t = abs(at(w, self.s)) if w else 0.0, 0.0
+        if table:
+            points = [[num(v) for v in point] for point in table["points"]]
+            W_t = float(numpy.interp(self.omega, *zip(*points, strict=True)))
+        return W_w + W_t + W_w * W_t
 
     def loads(self, steps: int = 2) -> list[Load]:
         box = self.spec["uncertainty"].get("box")
@@ -133,5 +151,7 @@ class Joint:
                 x = (1 - self.Q) * self.g(one)
                 errors.append((abs(self.Z(one) - m - c * x) + rho * abs(x)) / abs(m))
             return max(errors)
+        if kind == "noise":
+            return abs(self.L / self.H / (1 + self.L))
         assert kind in ("peak", "bandwidth")
         return abs(1 - self.Q)

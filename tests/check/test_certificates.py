@@ -71,7 +71,7 @@ UNREADABLE: dict[str, tuple[Callable[[], bytes], str]] = {
     "large": (lambda: b" " * 4_000_001, "more than"),
     "flipped digit": (replaced('"283/4"', '"281/4"'), "digest"),
     "flipped digest": (lambda: data({**REFERENCE, "spec_sha256": "0" * 64}), "digest"),
-    "claim count": (lambda: data({**REFERENCE, "end": {**REFERENCE["end"], "claims": 6}}), "end.claims"),
+    "claim count": (lambda: data({**REFERENCE, "end": {**REFERENCE["end"], "claims": 7}}), "end.claims"),
     "unknown field": (edited(lambda c: c.update(note="")), "unknown field 'note'"),
     "unknown claim field": (entry("eq9", proof="trust me"), "unknown field 'proof'"),
     "missing claim field": (edited(lambda c: find(c, "eq9").pop("hints")), "hints: missing"),
@@ -130,7 +130,8 @@ def without(kind: str) -> Callable[[], bytes]:
 
 COEFFICIENTS = {"numerator": ["2000"], "denominator": ["1", "70", "2500"]}
 MISMATCHED: dict[str, tuple[Callable[[], bytes], str]] = {
-    **{f"{kind} removed": (without(kind), "missing") for kind in {c["id"] for c in REFERENCE["claims"]}},
+    **{f"{kind} removed": (without(kind), "missing") for kind in sorted({c["id"] for c in REFERENCE["claims"]})},
+    "box removed": (edited(lambda c: c["claims"].remove(find(c, "stability-free", "box"))), "missing"),
     "flag cleared": (entry("eq9", required=False), "`required`"),
     "flag set": (
         edited(lambda c: c["claims"].append(claim("friction", "strictly-positive-real", ["0", "inf"], "1", True))),
@@ -259,7 +260,7 @@ def test_undecided_is_5_if_required_and_said_if_not() -> None:
     assert check_bytes(entry("eq9", status="undecided", margin=None)()).exit_code == 5
     optional = claim("eq12", "disc", ["1", "2"], None, False, status="undecided")
     verdict = check_bytes(edited(lambda c: c["claims"].append(optional))())
-    assert verdict.exit_code == 0 and "7 claims" in verdict.message and verdict.claims[-1][2] == "undecided"
+    assert verdict.exit_code == 0 and "8 claims" in verdict.message and verdict.claims[-1][2] == "undecided"
 
 
 def test_the_interpreters_own_digit_limit_is_respected() -> None:
@@ -285,7 +286,7 @@ def test_one_way_to_say_success(tmp_path: Path, capsys: pytest.CaptureFixture[st
     bad.write_bytes(raised("eq9", 1.01)())
     assert main([str(good)]) == 0
     out, err = capsys.readouterr()
-    assert out == f"PROVEN  {good}  ω_B ≥ {check_file(good).omega_b} rad/s  7 claims\n" and err == ""
+    assert out == f"PROVEN  {good}  ω_B ≥ {check_file(good).omega_b} rad/s  8 claims\n" and err == ""
     assert main([str(good), str(bad)]) == 4
     out, err = capsys.readouterr()
     assert out.count("PROVEN") == 1 and err.startswith(f"{bad}: eq9 printed: ") and err.count("\n") == 1
