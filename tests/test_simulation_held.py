@@ -9,7 +9,7 @@ from test_simulation import CORNER, DRIVE, IDEAL, PAPER, error, given, rational,
 
 from robimp.synthesis.certificate.enclosure.claims import family_of
 from robimp.synthesis.certificate.enclosure.prover import CellProver
-from robimp.synthesis.certificate.enclosure.stability import turns
+from robimp.synthesis.certificate.enclosure.winding import turns
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.simulation import (
     assemble,
