@@ -230,7 +230,7 @@ def cover(
             return ""
         tick(deadline)
         cell = stack.pop()
-        text, doubt = seen.pop(cell, None) or look(cell)
+        text, doubt = seen.pop(cell) if cell in seen else look(cell)
         if text:
             return text
         if doubt is not None:
