@@ -53,10 +53,9 @@ class Cell:
     def form(self, c: Fraction | int = 0, k: int = 0, value: Fraction | int = 0, r: Fraction | int = 0) -> Form:
         """`c + value t_k ± r` from rationals."""
         top = max(abs(Fraction(c)), abs(Fraction(value)), Fraction(r))
-        e = top.numerator.bit_length() - top.denominator.bit_length() - BITS if top else 0
-        values, scale = [0] * (len(self.ranges) + 1), Fraction(2) ** -e
-        values[k] = int(value * scale)
-        return Form(self, 0, e, int(c * scale), values, int(r * scale) + 3 if top else 0)
+        e, values = top.numerator.bit_length() - top.denominator.bit_length() - BITS, [0] * (len(self.ranges) + 1)
+        values[k] = _fixed(value, -e) if value else 0
+        return Form(self, 0, e, _fixed(c, -e), values, _fixed(r, -e) + 3 if top else 0)
 
     def symbol(self, key: tuple[str, Any]) -> Axis:
         """A parameter, anywhere in its range."""
@@ -129,8 +128,7 @@ class Cell:
         square = a * a * self.hi
         if self.ends or square < 16:  # at any θ the series' error is below its first omitted term
             rest = square**12 / factorial(24)
-            rows = ([a**n * (-a * a) ** k / factorial(2 * k + n) for k in range(12)] for n in (0, 1))
-            cos, sin = (self.real(Poly.of(*row)) for row in rows)
+            cos, sin = map(self.real, _series(a))
             return cos + self.form(r=rest), sin + self.form(r=a * rest)
         θ, over = self.omega() * Poly.of(a), self.omega().inverse()
         D, none = θ.w + θ.r, [0] * len(θ.l)
@@ -141,8 +139,14 @@ class Cell:
         return cos - sin * d + bend, (sin + cos * d + bend) * over  # |cos θ − cos c + d sin c| ≤ d²/2, so for sin
 
 
-def _fixed(value: Fraction) -> int:
-    return (value.numerator << BITS) // value.denominator
+def _fixed(value: Fraction | int, bits: int = BITS) -> int:
+    return (value.numerator << max(bits, 0)) // (value.denominator << max(-bits, 0))
+
+
+@lru_cache(maxsize=16)
+def _series(a: Fraction) -> list[Poly]:
+    rows = ([a**n * (-a * a) ** k / factorial(2 * k + n) for k in range(12)] for n in (0, 1))
+    return [Poly.of(*row) for row in rows]
 
 
 @lru_cache(maxsize=4096)
@@ -187,7 +191,8 @@ def roots(interval: tuple[Fraction, Any], breaks: Iterable[Fraction], ranges: Ra
 def compare(cell: Cell, part: Inequality | Axis) -> tuple[int, Fraction]:
     """Whether `Σ √terms < √bound` on the cell: 1, −1 at a corner of it, 0 not known; and how much is not linear."""
     if isinstance(part, Axis):
-        return int(part.nonzero()), part.p.r * Fraction(2) ** part.p.e + part.q.r * Fraction(2) ** part.q.e
+        said = int(part.nonzero())
+        return said, ZERO if said else part.p.r * Fraction(2) ** part.p.e + part.q.r * Fraction(2) ** part.q.e
     forms, over = [f for f in map(cell.real, part.terms) if f] + [cell.real(part.bound)], cell.real(part.over)
     if cell.ends and part.strict and over and forms[-1].m > over.m:  # zero in the limit
         return -(1 in (over.sign(), (-over).sign())), Fraction(1)
@@ -197,25 +202,24 @@ def compare(cell: Cell, part: Inequality | Axis) -> tuple[int, Fraction]:
         bound, terms = bound.root(), [f.root() for f in terms]
     for f in terms:
         bound = bound - f
-    return bound.sign(part.strict), bound.r * Fraction(2) ** bound.e
+    said = bound.sign(part.strict)
+    return said, ZERO if said else bound.r * Fraction(2) ** bound.e
 
 
 def cover(
     cells: list[Cell], parts: Callable[[Cell], Iterator[Any]], deadline: float, names: Sequence[str] = HALVED
 ) -> str:
     """Where a part fails; empty if all are proven on all cells, in the order of ω; or CheckError."""
-    stack = cells[::-1]
+    stack, seen = cells[::-1], dict[Cell, tuple[str, Fraction | None]]()
 
     def look(cell: Cell) -> tuple[str, Fraction | None]:
         """Where a part fails on the cell; else how much is not linear where one is not proven."""
         doubt: Fraction | None = None
         try:
             for part in parts(cell):
-                if isinstance(part, str):
-                    return f": {part}", None
-                said, loose = compare(cell, part)
+                said, loose = (-1, ZERO) if isinstance(part, str) else compare(cell, part)
                 if said < 0:
-                    return str(cell), None
+                    return f": {part}" if isinstance(part, str) else str(cell), None
                 doubt = loose if said == 0 and doubt is None else doubt
         except UnresolvedError:
             doubt = UNKNOWN
@@ -226,7 +230,7 @@ def cover(
             return ""
         tick(deadline)
         cell = stack.pop()
-        text, doubt = look(cell)
+        text, doubt = seen.pop(cell) if cell in seen else look(cell)
         if text:
             return text
         if doubt is not None:
@@ -235,6 +239,8 @@ def cover(
             turn = cell.depth % len(choices)  # in turn where none is better
             choices = choices[turn:] + choices[:turn]
             if len(choices) > 1:  # what is least far from linear afterwards
-                choices.sort(key=lambda halves: sum(look(half)[1] or ZERO for half in halves))
+                tried = {half: look(half) for halves in choices for half in halves}
+                choices.sort(key=lambda halves: sum(tried[half][1] or ZERO for half in halves))
+                seen.update((half, tried[half]) for half in choices[0])
             stack += choices[0][::-1]
     raise CheckError(UNDECIDED, "neither proven nor refuted")

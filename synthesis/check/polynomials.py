@@ -44,6 +44,7 @@ class Poly(Ring):
     d: int = 1
 
     @staticmethod
+    @lru_cache(maxsize=4096)
     def of(*ascending: Fraction | int) -> Poly:
         """Polynomial from rational coefficients, constant first."""
         d = lcm(*(Fraction(a).denominator for a in ascending))

@@ -6,6 +6,7 @@ import cmath
 import math
 import random
 from fractions import Fraction
+from itertools import pairwise
 from time import monotonic
 
 import pytest
@@ -68,7 +69,8 @@ def test_real_forms_contain_the_exact_values(
     P, Q, K = cell.real(p), cell.real(q), cell.symbol(("impedance", "stiffness")).p
     u, w = true_real(cell, p, t), true_real(cell, q, t)
     for form, value in (
-        (P, u), (Q, w), (K, k), (P + Q, u + w), (P - K, u - k), (P * Q, u * w), (P * K + Q * K, (u + w) * k), (P * P * K, u * u * k)
+        (P, u), (Q, w), (K, k), (P + Q, u + w), (P - K, u - k), (P * Q, u * w), (P * K + Q * K, (u + w) * k),
+        (P * P * K, u * u * k),
     ):  # fmt: skip
         assert contains(form, t, value)
     try:
@@ -219,7 +221,7 @@ def test_roots_cover_the_interval_without_gaps() -> None:
         cells = roots((Fraction(lo), hi if hi == math.inf else Fraction(hi)), [Fraction(2), Fraction(3)], {})
         ends = [(1 / c.hi if c.far else c.lo, None if c.far else c.hi) for c in cells]
         assert ends[0][0] == Fraction(lo) ** 2
-        assert all(a[1] == b[0] for a, b in zip(ends, ends[1:], strict=False))
+        assert all(a[1] == b[0] for a, b in pairwise(ends))
         assert ends[-1][1] == (None if hi == math.inf else Fraction(hi) ** 2)
 
 

@@ -193,8 +193,7 @@ def right_half_plane(s: Json, controller: Json, kind: str, point: Json = None, l
         j = Joint(s, controller, w, point)
         f = 1 + j.L
         if kind == "stability-free":
-            g = j.g(tuple(load.values())) if load else j.g_hat  # type: ignore[arg-type]
-            f = j.Z0(g and tuple((load or dict(zip("IBK", j.nominal))).values())) + j.L * j.R * j.m  # type: ignore[arg-type]
+            f = j.Z0(tuple(load.values()) if load else j.nominal) + j.L * j.R * j.m  # type: ignore[arg-type]
             f /= j.s**2 + 20 * j.s + 100
         return f * poles(j.s)
 
