@@ -132,7 +132,8 @@ def robustly_stable(setting: Setting, claims: tuple[Claim, ...]) -> bool:
         robust.add(("stability-free", "box"))
     form = "hurwitz" if setting.loop.actuator.hold is None else "winding"
     nominal = {("stability-free", form), ("stability-locked", form)}
-    return nominal <= proven and bool(proven & robust)
+    alone = not setting.boxed and not setting.uncertainty.disc  # there is no other load
+    return nominal <= proven and (alone or bool(proven & robust))
 
 
 def verdict(claims: tuple[Claim, ...]) -> Outcome:

@@ -16,7 +16,7 @@ from ..problem.grid import Evaluator, float_roots, grid
 from ..problem.setting import Setting
 from .enclosure.joint import family_of
 from .enclosure.prover import CellProver
-from .lowering import SumOfRoots, abs2, lower
+from .lowering import SumOfRoots, abs2, lower, strip
 from .outcome import Interval, Outcome, all_of
 from .positivity import holds
 from .witness import Witness, find_witness
@@ -66,6 +66,11 @@ class Prover:
         if constraint.positive_real and self._failing_end(constraint) is not None:
             return Outcome.REFUTED
         return all_of(outcomes)
+
+    def needs_cells(self, constraint: Constraint) -> bool:
+        """Whether a constraint is about three roots or more, or about a segment of loads."""
+        sides = [one for k in range(len(constraint.inequalities)) for one in self.lowered(constraint, k, Fraction(1))]
+        return any(len(strip(one).radicands) > 2 or len(one.right) > 1 for one in sides)
 
     def on_cells(self, constraint: Constraint, v: Fraction) -> Outcome:
         """The same by enclosures, which know no equality."""

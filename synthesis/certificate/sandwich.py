@@ -14,13 +14,14 @@ from .prover import Prover
 from .witness import short
 
 TIGHTNESS = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1)  # how far from the float optimum a level is tried, relative
+COARSE = (5e-3, 2e-2, 0.1)  # where only cells decide, each further digit costs a proof more cells
 
 
 def prove_hardest(prover: Prover, constraint: Constraint) -> Claim:
     """Prove at the hardest level found; if the required level cannot be proven, refute it with a witness."""
     prover = replace(prover, evaluator=prover.evaluator.with_ends(constraint)).focused(constraint)
     (best, _), required, harder = prover.best_level(constraint), constraint.level, constraint.role.harder
-    levels = _beside(best, -harder, constraint)
+    levels = _beside(best, -harder, constraint, COARSE if prover.needs_cells(constraint) else TIGHTNESS)
     if required is not None:
         levels = [v for v in levels if harder * (v - required) > 0] + [required]
     for proven in levels:
@@ -68,12 +69,12 @@ def _meaningful(constraint: Constraint, v: Fraction) -> bool:
     return v > 0 if constraint.id == "friction" else constraint.role is Role.FLOOR or v > 0
 
 
-def _beside(v: float, side: int, constraint: Constraint) -> list[Fraction]:
+def _beside(v: float, side: int, constraint: Constraint, tightness: tuple[float, ...] = TIGHTNESS) -> list[Fraction]:
     """Short levels a little beside v: relative, or for levels that can be zero in absolute terms as well."""
     if not np.isfinite(v):
         return []
     scale = abs(v) + 1e-4 if constraint.role is Role.FLOOR else abs(v)
-    return [short(v + side * tightness * scale, up=side > 0) for tightness in TIGHTNESS]
+    return [short(v + side * near * scale, up=side > 0) for near in tightness]
 
 
 def _runs(fits: np.ndarray, omega: np.ndarray) -> list[tuple[float, float]]:

@@ -236,6 +236,8 @@ def cover(
         if doubt is not None:
             choices = cell.halves(names)
             demand(bool(choices) and cell.depth < DEPTH, f"neither proven nor refuted{cell}", UNDECIDED)
+            if cell.depth % 6 == 5:  # one half proven at once does not mean that the other one is any nearer
+                choices = choices[:1]
             turn = cell.depth % len(choices)  # in turn where none is better
             choices = choices[turn:] + choices[:turn]
             if len(choices) > 1:  # what is least far from linear afterwards

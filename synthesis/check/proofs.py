@@ -138,6 +138,8 @@ class Prover:
 
     def _box(self, name: str, v: Fraction, extra: Ranges) -> str:
         """No root on the axis for any parameters in the box scaled by v: none crosses from the stable nominal."""
+        if fault := self._unstable(name, ZERO, {}):
+            return fault
         family = {**(ranges(self.spec, ALL if name == "stability-free" else ALL[2:], v) if v else {}), **extra}
         reference = self._reference(name, {}, family)
 

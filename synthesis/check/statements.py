@@ -81,7 +81,8 @@ def port_ends(friction: bool, j: Joint, cell: Cell, load: Load) -> Iterator[Ineq
         if A.bounded() and B.bounded():
             a = A.p.at(0)
             yield Inequality([], a, friction)
-            yield Inequality([V2 * (a - B.p.at(0)) * (a - B.p.at(0))], a * a, friction)
+            if j.sources:
+                yield Inequality([V2 * (a - B.p.at(0)) * (a - B.p.at(0))], a * a, friction)
         else:
             yield f"{'Z at infinity' if cell.far else 'Z(0)'} is not finite and {'>' if friction else '>='} 0"
 

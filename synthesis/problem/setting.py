@@ -62,6 +62,14 @@ class Setting:
         return found
 
     @property
+    def boxed(self) -> bool:
+        """Whether there is more than one joint: a box of loads, a range of impedances or uncertain actuators."""
+        box = self.uncertainty.box
+        return bool(self.impedances or self.actuators) or (
+            box is not None and any(low < high for low, high in (box.inertia, box.damping, box.stiffness))
+        )
+
+    @property
     def polynomial(self) -> bool:
         """Whether every question is one about polynomials: no hold, no table, no range of impedances or actuators."""
         return not (self.loop.actuator.hold or self.impedances or self.actuators or self.uncertainty.table)

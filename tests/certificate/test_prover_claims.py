@@ -333,7 +333,7 @@ def test_time_scaling_leaves_every_required_verdict(seed, a):
             dimension = {"stability-free": a, "stability-locked": a, "bandwidth": a, "friction": 1 / a}.get(
                 before.id, 1
             )
-            dimension = 1 / a if before.form in ("structured", "disc") else dimension
+            dimension = 1 / a if before.form in ("structured", "disc") else 1 if before.form == "box" else dimension
             if before.id != "bandwidth" or before.refuted_at is not None:
                 assert float(after.margin) == pytest.approx(
                     float(before.margin * dimension), rel=0.02, abs=1e-5 * float(dimension)
@@ -356,7 +356,7 @@ def test_a_stable_common_factor_changes_nothing_and_an_unstable_one_is_seen_by_s
     )
     for before, same, hidden in zip(plain, stable, unstable, strict=True):
         assert same.status is before.status
-        if before.form == "hurwitz":
+        if before.form in STABILITY:
             assert hidden.status is REFUTED
         else:
             assert hidden.status is before.status

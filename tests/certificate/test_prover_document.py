@@ -17,6 +17,9 @@ from certificate_joints import PAPER_Q, rational, reference
 from robimp.models.rational import exact
 from robimp.synthesis.certificate.claims import certify
 from robimp.synthesis.certificate.document import document, verdict
+from robimp.synthesis.certificate.enclosure.box import excluded
+from robimp.synthesis.certificate.enclosure.joint import family_of
+from robimp.synthesis.certificate.enclosure.prover import CellProver
 from robimp.synthesis.certificate.hurwitz import is_hurwitz
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.certificate.prover import Prover, Subject
@@ -145,6 +148,8 @@ def reproven(certificate: dict[str, Any]) -> bool:
         v = Fraction(claim["margin"])
         if claim["form"] == "hurwitz":
             holds = is_hurwitz(pencils[claim["id"]](C), exact(v))
+        elif claim["form"] == "box":
+            holds = excluded(CellProver(replace(family_of(setting, C), spread=v, loads=True)), "free")
         else:
             low, high = claim["interval"]
             band = (Fraction(low), None if high == "inf" else Fraction(high))

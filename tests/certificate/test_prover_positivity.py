@@ -202,16 +202,18 @@ def squares(n: int, factor: fmpq) -> SumOfRoots:
     return SumOfRoots(tuple((a * a,) for a in BASES[:n]), (factor * total * total,), True, None)
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 4])
+@pytest.mark.parametrize("n", [1, 2])
 @pytest.mark.parametrize("interval", [WHOLE, (fmpq(1, 7), fmpq(3)), (fmpq(2), None)])
 def test_sum_of_roots_against_the_square_of_the_sum(n, interval):
-    tiny = fmpq(1, 10**3 if n > 2 else 10**12)
+    tiny = fmpq(1, 10**12)
     assert holds(squares(n, 1 + tiny), interval, strict=True) is PROVEN
     assert holds(squares(n, 1 - tiny), interval, strict=True) is REFUTED
-    equal = holds(squares(n, fmpq(1)), interval, strict=True)
-    assert equal is REFUTED if n < 3 else equal is not PROVEN
-    if n < 3:
-        assert holds(squares(n, fmpq(1)), interval, strict=False) is PROVEN
+    assert holds(squares(n, fmpq(1)), interval, strict=True) is REFUTED
+    assert holds(squares(n, fmpq(1)), interval, strict=False) is PROVEN
+
+
+def test_three_roots_are_left_to_cells():
+    assert holds(squares(3, fmpq(2)), WHOLE, strict=True) is Outcome.UNDECIDED
 
 
 @pytest.mark.parametrize("n", [0, 1, 2])
@@ -237,11 +239,14 @@ positive_polynomials = st.lists(st.integers(0, 6), min_size=1, max_size=4).filte
 
 
 @settings(max_examples=120, deadline=None)
-@given(st.lists(positive_polynomials, min_size=1, max_size=4), positive_polynomials, st.integers(1, 40))
+@given(st.lists(positive_polynomials, min_size=1, max_size=3), positive_polynomials, st.integers(1, 40))
 def test_outcome_agrees_with_dense_evaluation(radicands, right, factor):
     inequality = SumOfRoots(tuple((a,) for a in radicands), (factor * right,), True, None)
     interval = (fmpq(1, 4), fmpq(9))
     outcome = holds(inequality, interval, strict=True)
+    if len(radicands) > 2:
+        assert outcome is Outcome.UNDECIDED
+        return
     with mpmath.workdps(40):
 
         def slack(x: fmpq) -> mpmath.mpf:

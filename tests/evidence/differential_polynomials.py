@@ -105,7 +105,7 @@ def _roots(seed: int, found: Tally) -> None:
         found.count("  sums of roots skipped: the bound is negative somewhere")
         return
     truth = _truth_of_sum(case, degree)
-    checker = Inequality([[Poly.of(*times(u, u))] for u in terms], [Poly.of(*bound)], strict=True)
+    checker = Inequality([Poly.of(*times(u, u)) for u in terms], Poly.of(*bound), strict=True)
     try:
         at = counterexample(checker, point(ends[0]), point(ends[1]), time.monotonic() + SECONDS)
         found.expect((at is None) == truth, f"{seed}: sum of {len(terms)} roots, checker {at}, truth {truth}")

@@ -80,6 +80,7 @@ def _same(found: Tally, told: str, before: Json, after: Json, a: Fraction = Frac
     old, new = margins(before), margins(after)
     for kind in old.keys() & new.keys() & one.keys():
         power = -1 if kind in (("eq12", "disc"), ("eq12", "structured")) else POWER.get(kind[0], 0)
+        power = 0 if kind[1] == "box" else power
         expected = old[kind] * a**power
         gap = abs(float(new[kind] - expected)) / max(abs(float(expected)), 1e-9)
         found.expect(gap < CLOSE, f"{told}: {kind}: {float(expected):.9g} became {float(new[kind]):.9g}")

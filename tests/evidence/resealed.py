@@ -19,7 +19,7 @@ from tally import Tally, command
 from tampering import sealed, written
 
 from robimp.synthesis.check import check_bytes
-from robimp.synthesis.cli import _verdict as check_with_spec
+from robimp.synthesis.judgement import judge as judged
 
 TITLE = "certificates edited and sealed again"
 FULL, SMALL = 4000, 60
@@ -161,7 +161,8 @@ def examine(seeds: Sequence[int]) -> Tally:
             verdict = check_bytes(file.read_bytes(), time_limit=SECONDS)
             found.measure("seconds of one check", time.process_time() - began)
             found.count(f"without the specification: exit code {verdict.exit_code}")
-            code, message = check_with_spec(file, original["spec"], SECONDS)
+            told_with_spec = judged(str(file), file.read_bytes(), original["spec"], None, SECONDS)
+            code, message = told_with_spec.exit_code, told_with_spec.message
             found.count(f"with the specification: exit code {int(code)}")
             if verdict.exit_code == 0:
                 _, faults = judge(changed, seed, points=300)

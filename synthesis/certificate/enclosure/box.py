@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....models.rational import exact
+from ....models.rational import exact, to_float
 from ...problem.grid import float_roots
 from ..hurwitz import is_hurwitz
 from ..outcome import Outcome
@@ -50,10 +50,13 @@ class Spread:
 @np.errstate(all="ignore")
 def largest_spread(family: Family, end: str) -> Spread:
     """The robust stability margin of a box: the factor on it that keeps every joint stable."""
+    centre = _unstable(family, end, Fraction(0), np.zeros(len(replace(family, loads=True).parameters)), 0.0)
+    if centre is not None:  # nothing has to cross the axis
+        return Spread(Outcome.REFUTED, None, Fraction(1), centre)
     critical = list(_critical(family, end))
     v, t, omega = min(critical, key=lambda found: found[0], default=(LARGEST_SPREAD, None, 0.0))
     proven = None
-    for tightness in (1e-3, 4e-3, 1e-2, 0.1):
+    for tightness in (6e-3, 2e-2, 0.1):
         value = short(min(v * (1 - tightness), LARGEST_SPREAD), up=False)
         if value >= 1 and excluded(CellProver(replace(family, spread=value, loads=True)), end):
             proven = value
@@ -64,7 +67,7 @@ def largest_spread(family: Family, end: str) -> Spread:
     if t is not None:
         for tightness in (1e-3, 4e-3, 1e-2, 0.05):
             value = max(short(v * (1 + tightness), up=True), Fraction(1) if v < 1 else Fraction(0))
-            witness = _unstable(family, end, value, t * float(value) / v, omega)
+            witness = _unstable(family, end, value, t, omega)
             if witness is not None:
                 refuted = value
                 break
@@ -83,7 +86,7 @@ def _unstable_vertex(family: Family, end: str, proven: Fraction) -> tuple[Fracti
     for beyond in (2e-3, 8e-3, 0.03, 0.1, 0.5):
         value = short(float(proven) * (1 + beyond), up=True)
         for signs in islice(product((-1.0, 1.0), repeat=m), MOST_VERTICES):
-            witness = _unstable(family, end, value, np.array(signs) * float(value), np.inf)
+            witness = _unstable(family, end, value, np.array(signs), np.inf)
             if witness is not None:
                 return value, witness
     return None, None
@@ -161,7 +164,7 @@ def _separated(f: Wave) -> NDArray[np.bool_]:
 def _critical(family: Family, end: str) -> Iterator[tuple[float, NDArray[np.float64], float]]:
     """For each frequency of a grid: the spread at which 0 enters, its parameters t in units of the box, and ω."""
     prover = CellProver(replace(family, loads=True))
-    m = len(prover.family.parameters)
+    m, offset = len(prover.family.parameters), _offset(prover.family)
     omega = np.concatenate([cells.z.mean(axis=0) for cells in prover.axis(WHOLE) if cells.part is Part.MIDDLE])
     dense = np.geomspace(omega[0], omega[-1], DENSE)
     omega = np.unique([*(omega[0] * DECADES), *omega, *dense, *(omega[-1] / DECADES), *_resonances(family, end)])
@@ -173,7 +176,7 @@ def _critical(family: Family, end: str) -> Iterator[tuple[float, NDArray[np.floa
             t[0] = -1.0
             cells = Cells(Part.MIDDLE, np.vstack([grid, grid]), t)
             p, q, _, _ = _plane(ENDS[end](JointOnCells(prover.family, cells)))
-            v, entering = _entering(p, grid * q)
+            v, entering = _entering(p, grid * q, offset)
             padded = np.concatenate([[np.inf], v, [np.inf]])
             for k in np.flatnonzero((v <= padded[:-2]) & (v <= padded[2:]) & np.isfinite(v)):
                 lowest.append(
@@ -188,9 +191,17 @@ def _critical(family: Family, end: str) -> Iterator[tuple[float, NDArray[np.floa
         f = ENDS[end](JointOnCells(prover.family, Cells(part, np.zeros((2, 1)), t)))
         leading = f.p if _orders(f, part)[0] <= _orders(f, part)[1] else f.q
         if isinstance(leading, Form):
-            slopes = leading.c[2:, 0]
-            v = min(abs(leading.c[0, 0]) / max(float(np.abs(slopes).sum()), 1e-300), 1e12)
-            yield float(v), -np.sign(slopes) * np.sign(leading.c[0, 0]) * v, end_of_axis
+            v, t_end = _entering(leading.c, 0 * leading.c, offset)
+            if np.isfinite(v[0]):
+                yield float(v[0]), t_end[:, 0], end_of_axis
+
+
+def _offset(family: Family) -> NDArray[np.float64]:
+    """How far the centre of each parameter's interval is from its nominal value, in halves of the interval. (m,)."""
+    shares = [
+        ((low + high) / 2 - family.middle(name)) / ((high - low) / 2) for name, (low, high) in family.parameters.items()
+    ]
+    return np.array([to_float(share) for share in shares])
 
 
 def _resonances(family: Family, end: str) -> list[float]:
@@ -207,23 +218,29 @@ def _resonances(family: Family, end: str) -> list[float]:
     return [omega for omega in found if omega > 0]
 
 
-def _entering(p: NDArray[np.float64], q: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Least v with 0 in `f₀ + v·zonotope`, (n,), by its edge normals, and the t that gets there, (m, n). (2+m, n) each.
+def _entering(
+    p: NDArray[np.float64], q: NDArray[np.float64], offset: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Least v with 0 in `f_n + v·(f_d + zonotope)`, (n,), and the t in [−1, 1] that gets there, (m, n).
 
-    Normal to edge j all other parameters are at ±v; the j-th then has to cancel what is left along the edge.
+    p, q: (2+m, n), of the whole box; offset: its centre from the nominal joint, in halves of its widths, (m,).
+    Normal to edge j all other parameters are at ±1; the j-th then has to cancel what is left along the edge.
     """
     f = np.delete(p + 1j * q, 1, axis=0)  # without the frequency's own coefficient
+    f_d = (f[1:] * offset[:, None]).sum(axis=0)
+    f_n = f[0] - f_d
     best, best_t = np.zeros(f.shape[1]), np.zeros((len(f) - 1, f.shape[1]))
     real = np.abs(f.imag).max(axis=0) < 1e-12 * np.abs(f.real).max(axis=0)
     for j in range(1, len(f) + 1):
         edge = f[j] if j < len(f) else np.where(real, 1j, 0)  # on the real line, any other direction
-        across, along = np.imag(f * np.conj(edge)), np.real(f * np.conj(edge))
-        v = np.abs(across[0]) / np.abs(across[1:]).sum(axis=0)
-        t = -np.sign(across[1:]) * np.sign(across[0]) * v
+        across, away = np.imag(f[1:] * np.conj(edge)), np.imag(f_n * np.conj(edge))
+        t = -np.sign(across) * np.sign(away)
+        v = np.abs(away) / (np.abs(across).sum(axis=0) - np.sign(away) * np.imag(f_d * np.conj(edge)))
         if j < len(f):
             t[j - 1] = 0.0
-            t[j - 1] = -(along[0] + (along[1:] * t).sum(axis=0)) / np.abs(edge) ** 2
-            reached = (np.abs(t[j - 1]) <= v * (1 + 1e-9)) & ~real
+            rest = f_n / v + f_d + (f[1:] * t).sum(axis=0)
+            t[j - 1] = -np.real(rest * np.conj(edge)) / np.abs(edge) ** 2
+            reached = (np.abs(t[j - 1]) <= 1 + 1e-9) & ~real
         else:
             reached = real
         better = reached & (v > best) & np.isfinite(v)
@@ -232,12 +249,12 @@ def _entering(p: NDArray[np.float64], q: NDArray[np.float64]) -> tuple[NDArray[n
 
 
 def _unstable(family: Family, end: str, value: Fraction, t: NDArray[np.float64], omega: float) -> Witness | None:
-    """The joint at parameters t (in units of the box) if it lies in the stretched box and is proven unstable."""
-    whole = replace(family, spread=Fraction(1), loads=True)
+    """The joint at parameters t, in [−1, 1], of the box stretched by `value`, if it is proven unstable."""
+    whole, point = replace(family, spread=Fraction(1), loads=True), replace(family, spread=Fraction(0), loads=True)
     values = {}
     for (name, (low, high)), share in zip(whole.parameters.items(), t, strict=True):
-        share = max(min(share, float(value)), -float(value))
-        values[name] = (low + high) / 2 + (high - low) / 2 * exact(short(share, digits=9) if share else Fraction(0))
+        nominal_value, at = point.middle(name), exact(min(max(short(share, digits=9), Fraction(-1)), Fraction(1)))
+        values[name] = nominal_value + exact(value) * ((low + high) / 2 + (high - low) / 2 * at - nominal_value)
     setting = family.setting.at({k: v for k, v in values.items() if not k.startswith("load.")})
     nominal = setting.loop.nominal
     load = replace(nominal, **{k.split(".")[1]: v for k, v in values.items() if k.startswith("load.")})

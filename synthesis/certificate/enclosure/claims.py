@@ -62,8 +62,7 @@ def prove_winding(setting: Setting, C: Compensator) -> Iterator[Claim]:
 def prove_boxes(setting: Setting, C: Compensator) -> Iterator[Claim]:
     """Robust stability of the boxes, with the factor on them that is still stable."""
     family = family_of(setting, C)
-    free = setting.uncertainty.box is not None or bool(setting.impedances) or bool(setting.actuators)
-    for end, asked in (("free", free), ("locked", bool(setting.actuators))):
+    for end, asked in (("free", setting.boxed), ("locked", bool(setting.actuators))):
         if not asked:
             continue
         found = largest_spread(family, end)

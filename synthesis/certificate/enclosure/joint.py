@@ -67,6 +67,13 @@ class Family:
         v = exact(self.spread)
         return middle - v * (middle - low), middle + v * (high - middle)
 
+    def middle(self, name: str) -> fmpq:
+        """Nominal value of an uncertain parameter, about which its interval is stretched."""
+        part, key = name.split(".")
+        if part == "load":
+            return getattr(self.setting.loop.nominal, key)  # type: ignore[no-any-return]
+        return (self.setting.impedances if part == "impedance" else self.setting.actuators)[key][2]
+
     def point(self, cells: Cells, k: int) -> dict[str, Fraction]:
         """Exact values of the parameters at the k-th (degenerate) cell."""
         values = {}
