@@ -121,6 +121,7 @@ def test_dynamic_error_feedback_claim_by_claim(results: Path) -> None:
     assert status == {
         ("stability-free", "hurwitz"): "proven",
         ("stability-locked", "hurwitz"): "proven",
+        ("stability-free", "box"): "proven",
         ("eq9", "printed"): "proven",
         ("eq12", "structured"): "refuted",
         ("eq12", "paper"): "proven",

@@ -54,6 +54,15 @@ def test_the_papers_own_tuning(result: Results) -> None:
     assert Fraction("8.87") < paper.omega_B < Fraction("8.88")
 
 
+def test_the_papers_tuning_for_its_whole_range_sampled_and_rounded(result: Results) -> None:
+    sampled = result("haninger2016-sampled")
+    proven = {(c.id, c.form): c.margin for c in sampled.claims if c.required}
+    assert sampled.exit_code is ExitCode.PROVEN
+    assert Fraction("8.83") < sampled.omega_B < Fraction("8.84")
+    assert proven["tolerance", "coefficients"] >= Fraction(1, 2**24)  # type: ignore[operator]
+    assert {("stability-free", "winding"), ("stability-locked", "winding"), ("stability-free", "box")} <= proven.keys()
+
+
 def test_each_is_better_than_the_one_before_and_none_beats_the_bound(result: Results) -> None:
     paper, eq23, reference = (result(name) for name in ("haninger2016-paper", "haninger2016-eq23", "haninger2016"))
     assert reference.bound is not None and reference.bound.terms == 40
@@ -132,6 +141,7 @@ def test_every_example_is_named_as_its_file_and_has_an_outcome(result: Results) 
         "haninger2016-eq23": ExitCode.PROVEN,
         "haninger2016-feedback": ExitCode.REFUTED,
         "haninger2016-paper": ExitCode.PROVEN,
+        "haninger2016-sampled": ExitCode.PROVEN,
         "haninger2016-stiff": ExitCode.REFUTED,
         "unstable-optimum": ExitCode.REFUTED,
     }
