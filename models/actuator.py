@@ -48,11 +48,11 @@ class TwoPort:
         """Output impedance: torque per angle, with τ_d = 0."""
         return ratio(self.z, self.d)
 
-    def A_cl(self, load: DynamicStiffness) -> RationalFunction:
+    def A_cl(self, load: DynamicStiffness) -> Any:
         """`τ_sea/τ_d` on a free load, (15): `H G⁻¹/(G⁻¹ + Z_a)`."""
         return self.H * load.rational / (load.rational + self.Z_a)
 
-    def A_int(self, load: DynamicStiffness) -> RationalFunction:
+    def A_int(self, load: DynamicStiffness) -> Any:
         """`τ_sea/τ_int` on a free load, (16) with its sign corrected: `−Z_a/(G⁻¹ + Z_a)`.
 
         Pushing the load pulls on the spring: with the printed + sign the load would accelerate more than `τ_int/I`.

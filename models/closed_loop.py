@@ -15,7 +15,7 @@ from typing import Any
 from .actuator import IDEAL, TwoPort
 from .controller import Compensator, Filters
 from .impedance import DynamicStiffness, inverse_dynamic_compensation
-from .rational import RationalFunction, S, ratio
+from .rational import S, ratio
 from .sampling import Closed
 
 
@@ -85,7 +85,7 @@ class ImpedanceLoop:
         X = self.Q_tilde(C)
         return X * self.G_imp + (1 - X) * self.Z0(load)
 
-    def dynamic_error_gain(self, load: DynamicStiffness) -> RationalFunction:
+    def dynamic_error_gain(self, load: DynamicStiffness) -> Any:
         """`N = G G_imp/(1 − G(Ĝ⁻¹ − G_imp))`, (22), ideal actuator: (21) reads `θ/τ_int = G_imp⁻¹ (1+C)N/(1+CN)`."""
         G = 1 / load.rational
         return G * self.desired.rational / (1 - G * (self.nominal.rational - self.desired.rational))

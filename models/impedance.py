@@ -37,7 +37,7 @@ class DynamicStiffness:
 
 def inverse_dynamic_compensation(nominal: DynamicStiffness, desired: DynamicStiffness) -> RationalFunction:
     """`τ_act/θ = Ĝ⁻¹ − G_imp` of inverse dynamic compensation, (2)."""
-    return nominal.rational - desired.rational
+    return nominal.rational - desired.rational  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True)

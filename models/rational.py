@@ -86,7 +86,7 @@ class RationalFunction:
         """A scalar or polynomial as a rational function; what has an arithmetic of its own stays what it is."""
         if isinstance(value, RationalFunction) or not isinstance(value, OPERAND):
             return value
-        return cls(value if isinstance(value, fmpq_poly) else fmpq_poly([exact(value)]), fmpq_poly([1]))
+        return cls(value if isinstance(value, fmpq_poly) else fmpq_poly([exact(value)]), fmpq_poly([1]))  # type: ignore[arg-type]
 
     @classmethod
     def from_control(cls, system: control.TransferFunction) -> RationalFunction:
@@ -134,19 +134,19 @@ class RationalFunction:
     def __sub__(self, other: Operand) -> RationalFunction:
         if not isinstance(other, OPERAND):
             return NotImplemented
-        return self + (-self.lift(other))
+        return self + (-self.lift(other))  # type: ignore[no-any-return]
 
     def __radd__(self, other: Operand) -> RationalFunction:
         return self + other
 
     def __rsub__(self, other: Operand) -> RationalFunction:
-        return self.lift(other) - self
+        return self.lift(other) - self  # type: ignore[no-any-return]
 
     def __rmul__(self, other: Operand) -> RationalFunction:
         return self * other
 
     def __rtruediv__(self, other: Operand) -> RationalFunction:
-        return self.lift(other) / self
+        return self.lift(other) / self  # type: ignore[no-any-return]
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, RationalFunction):

@@ -19,7 +19,7 @@ Segment = tuple[DynamicStiffness, DynamicStiffness]
 
 def Omega(nominal: DynamicStiffness, desired: DynamicStiffness) -> RationalFunction:
     """`Ω = G_imp Ĝ − 1`, the known difference between wish and model, (4) (printed there as G_imn)."""
-    return desired.rational / nominal.rational - 1
+    return desired.rational / nominal.rational - 1  # type: ignore[no-any-return]
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Table:
     def straight(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Whether the bound is linear on each interval. (n,)."""
         points, _ = self._floats
-        return ~((points > low[:, None]) & (points < high[:, None])).any(axis=1)
+        return np.asarray(~((points > low[:, None]) & (points < high[:, None])).any(axis=1))
 
     @property
     def _floats(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 from flint import fmpq, fmpq_poly
 
@@ -135,7 +136,7 @@ def _with_disc(
     factors = {Gain.ONE: [ONE], Gain.RHO: [N * M], Gain.R: [N * N, N * M]}
     n, gap = RationalFunction.lift(in_s(N)), RationalFunction.lift(in_s(M - N))
 
-    def value(term: Term) -> RationalFunction:
+    def value(term: Term) -> Any:
         inside = term.affine(X) if term.gain is not Gain.ONE else term.affine(X) * gap
         return inside if term.shift is None else inside - term.shift(X) * n
 

@@ -84,7 +84,7 @@ class Setting:
     def at(self, values: dict[str, fmpq]) -> Setting:
         """This setting with parameters at given values: `impedance.stiffness`, `actuator.motor_inertia`, …"""
         wish = {k.split(".")[1]: v for k, v in values.items() if k.startswith("impedance.")}
-        drive = {ACTUATOR[k.split(".")[1]]: v for k, v in values.items() if k.startswith("actuator.")}
+        drive: dict[str, Any] = {ACTUATOR[k.split(".")[1]]: v for k, v in values.items() if k.startswith("actuator.")}
         loop, elastic = replace(self.loop, desired=replace(self.loop.desired, **wish)), self.elastic
         if drive and elastic is not None:
             elastic = replace(elastic, **drive)

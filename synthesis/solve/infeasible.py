@@ -103,7 +103,7 @@ def _best_ratio(inequality: Inequality, evaluator: Evaluator) -> np.ndarray:
     if len(distances) == 2:  # two weighted distances from X: best at the heavier one's centre
         (w1, x1), (w2, x2) = distances
         fixed = fixed + np.minimum(w1, w2) * np.abs(x1 - x2)
-    return fixed / np.abs(inequality.right.constant.at(omega))
+    return np.asarray(fixed / np.abs(inequality.right.constant.at(omega)))
 
 
 def _ratio_at_zero(inequality: Inequality, setting: Setting) -> float:

@@ -37,7 +37,7 @@ def prove_bandwidth(prover: CellProver) -> Claim:
 def _first_failure(prover: CellProver, conditions: list[Constraint]) -> float:
     """Where on the grid, at the vertices of the ranges, a condition first fails."""
     setting, family = prover.family.setting, prover.family
-    omega = np.geomspace(*(float(z) for z in _middle(prover)), 4000)
+    omega = np.geomspace(*_middle(prover), num=4000)
     first = float(omega[-1])
     for vertex in setting.vertices():
         X = vertex.variables(vertex.build(family.numerator, family.denominator))

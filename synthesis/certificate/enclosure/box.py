@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice, product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -54,7 +54,7 @@ def largest_spread(family: Family, end: str) -> Spread:
     if centre is not None:  # nothing has to cross the axis
         return Spread(Outcome.REFUTED, None, Fraction(1), centre)
     critical = list(_critical(family, end))
-    v, t, omega = min(critical, key=lambda found: found[0], default=(LARGEST_SPREAD, None, 0.0))
+    v, t, omega = min(critical, key=_size, default=(LARGEST_SPREAD, None, 0.0))
     proven = None
     for tightness in (6e-3, 2e-2, 0.1):
         value = short(min(v * (1 - tightness), LARGEST_SPREAD), up=False)
@@ -170,7 +170,7 @@ def _critical(family: Family, end: str) -> Iterator[tuple[float, NDArray[np.floa
     omega = np.unique([*(omega[0] * DECADES), *omega, *dense, *(omega[-1] / DECADES), *_resonances(family, end)])
     grids = [omega]
     for _ in range(REFINEMENTS):
-        lowest = []
+        lowest: list[tuple[Any, ...]] = []
         for grid in grids:
             t = np.ones((2, m, grid.size))
             t[0] = -1.0
@@ -178,13 +178,12 @@ def _critical(family: Family, end: str) -> Iterator[tuple[float, NDArray[np.floa
             p, q, _, _ = _plane(ENDS[end](JointOnCells(prover.family, cells)))
             v, entering = _entering(p, grid * q, offset)
             padded = np.concatenate([[np.inf], v, [np.inf]])
-            for k in np.flatnonzero((v <= padded[:-2]) & (v <= padded[2:]) & np.isfinite(v)):
-                lowest.append(
-                    (float(v[k]), entering[:, k], float(grid[k]), grid[max(k - 1, 0)], grid[min(k + 1, v.size - 1)])
-                )
-        lowest = sorted(lowest, key=lambda found: found[0])[:BASINS]
-        yield from (found[:3] for found in lowest)
-        grids = [np.geomspace(low, high, 60) for _, _, _, low, high in lowest]
+            for k in np.flatnonzero((v <= padded[:-2]) & (v <= padded[2:]) & np.isfinite(v)).tolist():
+                around = grid[max(k - 1, 0)], grid[min(k + 1, v.size - 1)]
+                lowest.append((float(v[k]), entering[:, k], float(grid[k]), *around))
+        lowest = sorted(lowest, key=_size)[:BASINS]
+        yield from ((v, t, omega) for v, t, omega, *_ in lowest)
+        grids = [np.geomspace(low, high, 60) for *_, low, high in lowest]
     for part, end_of_axis in ((Part.LOW, 0.0), (Part.HIGH, np.inf)):
         t = np.ones((2, m, 1))
         t[0] = -1.0
@@ -202,6 +201,10 @@ def _offset(family: Family) -> NDArray[np.float64]:
         ((low + high) / 2 - family.middle(name)) / ((high - low) / 2) for name, (low, high) in family.parameters.items()
     ]
     return np.array([to_float(share) for share in shares])
+
+
+def _size(found: tuple[Any, ...]) -> float:
+    return float(found[0])
 
 
 def _resonances(family: Family, end: str) -> list[float]:

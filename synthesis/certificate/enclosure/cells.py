@@ -112,8 +112,10 @@ class Cells:
             return Wave(self.ball(-2.01 / T, 2.01 / T, 1), self.ball(-2.01 / T, 2.01 / T, 2), x)
         mid, low, high = self.z.mean(axis=0), *self.z
         half = (high - low) / 2
-        delay = Wave(*(self._entire(f, mid, half, T_d) for f in (_cosine, _minus_sine)), x)
-        shape = Wave(*(self._entire(f, mid, half, T) for f in (_cardinal, _versed)), x)
+        delay, shape = (
+            Wave(self._entire(even, mid, half, time), self._entire(odd, mid, half, time), x)
+            for even, odd, time in ((_cosine, _minus_sine, T_d), (_cardinal, _versed, T))
+        )
         return delay * shape
 
     def _entire(self, f: Any, mid: NDArray[np.float64], half: NDArray[np.float64], T: float) -> Form:

@@ -100,13 +100,13 @@ class Form:
         return Form(-self.c, self.rho, self.order, self.z)
 
     def __sub__(self, other: Any) -> Form:
-        return self + -other
+        return self + -other  # type: ignore[no-any-return]
 
     def __rsub__(self, other: Any) -> Form:
-        return -self + other
+        return -self + other  # type: ignore[no-any-return]
 
     def __truediv__(self, other: Any) -> Form:
-        return self * other.inverse()
+        return self * other.inverse()  # type: ignore[no-any-return]
 
     def __pow__(self, n: int) -> Form:
         assert n == 2

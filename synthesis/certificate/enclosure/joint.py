@@ -115,7 +115,8 @@ class JointOnCells:
     def setting(self) -> Setting:
         """The setting with its actuator and desired impedance on the cells; loads and filters stay exact."""
         exact_loop, s = self.family.setting.loop, self.s
-        desired = DynamicStiffness(*(self._number(f"impedance.{k}", getattr(exact_loop.desired, k)) for k in LOAD), s=s)
+        wish = {k: self._number(f"impedance.{k}", getattr(exact_loop.desired, k)) for k in LOAD}
+        desired = DynamicStiffness(**wish, s=s)
         elastic = self.family.setting.elastic
         if elastic is None:
             port = exact_loop.actuator
@@ -150,7 +151,7 @@ class JointOnCells:
     def free(self) -> Wave:
         """Characteristic function in free motion, the load a parameter."""
         load = self.family.load or self.family.setting.loop.nominal
-        load = DynamicStiffness(*(self._number(f"load.{k}", getattr(load, k)) for k in LOAD), s=self.s)
+        load = DynamicStiffness(**{k: self._number(f"load.{k}", getattr(load, k)) for k in LOAD}, s=self.s)
         return self.setting.loop.free(load)(self.compensator)  # type: ignore[no-any-return]
 
     def locked(self) -> Wave:
@@ -203,7 +204,8 @@ class JointOnCells:
     def disc(self) -> Any:
         """Radius V of the disc on top of every load: `1 + V = (1+W_w)(1+W_t)`."""
         uncertainty = self.family.setting.uncertainty
-        weight = 0 if uncertainty.weight is None else abs(self.s.real_number(uncertainty.weight))
+        weight: Any = 0 if uncertainty.weight is None else self.s.real_number(uncertainty.weight)
+        weight = abs(weight)
         table = 0 if uncertainty.table is None else self._table(uncertainty.table)
         return weight + table + weight * table
 

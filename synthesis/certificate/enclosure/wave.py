@@ -71,14 +71,14 @@ class Wave:
         return NotImplemented if o is None else self + -o
 
     def __rsub__(self, other: Any) -> Wave:
-        return -self + other
+        return -self + other  # type: ignore[no-any-return]
 
     def __truediv__(self, other: Any) -> Wave:
         o = self.real_number(other)
         return NotImplemented if o is None else self * o.inverse()
 
     def __rtruediv__(self, other: Any) -> Wave:
-        return self.inverse() * other
+        return self.inverse() * other  # type: ignore[no-any-return]
 
     __radd__, __rmul__ = __add__, __mul__
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from ....models.impedance import DynamicStiffness
 from ....models.rational import ONE, ZERO, RationalFunction
-from ..variable import Variable
+from ..variable import Variable as Variable
 
 
 class Gain(Enum):

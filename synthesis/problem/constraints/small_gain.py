@@ -8,4 +8,5 @@ from .inequality import ONE_MINUS_X, Affine, X
 
 def compensated_error(loop: ImpedanceLoop) -> Affine:
     """`(Ω+Q)·Ĝ⁻¹ = Q·G_imp − (1−Q)·F_d(Ĝ⁻¹ − G_imp)`; multiplied by Ĝ⁻¹ so that K̂ = 0 is no pole at 0."""
-    return X * loop.G_imp + ONE_MINUS_X * (-loop.compensation)
+    error: Affine = X * loop.G_imp + ONE_MINUS_X * (-loop.compensation)
+    return error
