@@ -7,11 +7,8 @@ from dataclasses import replace
 from fractions import Fraction
 from itertools import chain
 
-import numpy as np
-
 from ..problem.constraints import constraints
 from ..problem.constraints.inequality import Constraint
-from ..problem.grid import Evaluator
 from .claim import Claim, Refutation, claim_of
 from .outcome import Outcome
 from .prover import LARGEST_LEVEL, Prover
@@ -53,18 +50,9 @@ def _proven_end(prover: Prover, conditions: list[Constraint], first: float, need
 def _failures(prover: Prover, constraint: Constraint) -> Iterator[float]:
     """Frequencies on the grid's refinement at which a band condition first fails."""
     for inequality in constraint.inequalities:
-        omega = prover.evaluator.omega
-        slack = prover.evaluator.slack(inequality, float(constraint.level or 0), prover.X)
-        failing = np.flatnonzero(slack < 0)
-        if not failing.size:
-            continue
-        k = int(failing[0])
-        a, b = (0.0 if k == 0 else float(omega[k - 1])), float(omega[k])
-        for _ in range(60):
-            middle = 0.5 * (a + b)
-            at = Evaluator(prover.subject.setting, np.array([middle]))
-            a, b = (a, middle) if at.slack(inequality, float(constraint.level or 0), prover.X)[0] < 0 else (middle, b)
-        yield a
+        first = prover.evaluator.first_failure(inequality, float(constraint.level or 0), prover.X)
+        if first is not None:
+            yield first
 
 
 def _twin(prover: Prover, attenuation: Constraint, first: float, proven: Fraction) -> Refutation | None:

@@ -11,7 +11,8 @@ import numpy as np
 
 from ...models.controller import Compensator
 from ...models.rational import ONE, ZERO, RationalFunction, S, at_infinity, at_zero, exact
-from ..problem.constraints.inequality import Constraint, Gain, Role, Variable
+from ..problem.constraints.eq12 import least_at_end
+from ..problem.constraints.inequality import Constraint, Role, Variable
 from ..problem.grid import Evaluator, float_roots, grid
 from ..problem.setting import Setting
 from .enclosure.joint import family_of
@@ -89,7 +90,7 @@ class Prover:
         """An end of [0, ∞] where `Re(Z/jω)` is silent about the pole of Z/s: Z(0) and lim Z/s² must be ≥ 0.
 
         A strict constraint (friction) wants Z over its nominal value > 0 there instead, so that no load moves a root
-        through 0 or ∞. A weight makes the value A − (A−B)e, B that of (1−Q̃)G⁻¹, for all real e in [−W, W].
+        through 0 or ∞.
         """
         setting, C = self.subject.setting, self.subject.compensator
         loop, weight = setting.loop, setting.uncertainty.weight
@@ -102,7 +103,7 @@ class Prover:
                 A, B, V = limit(Z / reference), limit(own / reference), limit(V2)
                 if A is None or B is None or V is None:
                     return Witness(omega, load)
-                least = min(A, A * A - (A - B) ** 2 * V)
+                least = min(A, least_at_end(A, B, V))
                 if least < 0 or (constraint.strict and least == 0):
                     return Witness(omega, load)
         return None
@@ -149,8 +150,6 @@ class Prover:
         inside, harder = self.evaluator.inside(constraint), constraint.role.harder
         worst = (harder * LARGEST_LEVEL, 0.0)
         for inequality in constraint.inequalities:
-            if any(term.gain is Gain.R for term in inequality.moduli):
-                return float(constraint.level or 1), 0.0  # not tightened: proven at the level asked for, or not
             levels = np.where(inside, self.evaluator.levels(inequality, self.X), harder * LARGEST_LEVEL)
             levels = np.where(np.isnan(levels), harder * LARGEST_LEVEL, levels)
             k = int(np.argmin(harder * levels))

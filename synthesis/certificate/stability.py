@@ -9,6 +9,7 @@ from flint import fmpq_poly
 
 from ...models.controller import Compensator
 from ...models.rational import exact
+from ..problem.constraints.inequality import WHOLE
 from ..problem.setting import Setting
 from .claim import Claim, Refutation
 from .hurwitz import decay_rate, is_hurwitz
@@ -16,16 +17,21 @@ from .outcome import Outcome
 from .sandwich import TIGHTNESS
 from .witness import short
 
+MODES = {  # equation and meaning of the characteristic function at each end
+    "free": ("denominator of (8) and (17)", "every mode in free motion"),
+    "locked": ("1 + HCF", "every mode against a rigid wall"),
+}
+
 
 def prove_stability(setting: Setting, C: Compensator) -> Iterator[Claim]:
     """Nominal stability free (zeros of Z) and against a rigid wall (zeros of 1+HCF), with the decay rate."""
     loop = setting.loop
-    free, locked = loop.free(loop.nominal)(C), loop.locked()(C)
-    yield _stability("stability-free", "denominator of (8) and (17)", "every mode in free motion", free)
-    yield _stability("stability-locked", "1 + HCF", "every mode against a rigid wall", locked)
+    yield _stability("free", loop.free(loop.nominal)(C))
+    yield _stability("locked", loop.locked()(C))
 
 
-def _stability(id: str, equation: str, what: str, p: fmpq_poly) -> Claim:
+def _stability(end: str, p: fmpq_poly) -> Claim:
+    equation, what = MODES[end]
     rate = decay_rate(p)
     levels = [short(rate * (1 - tightness), up=False) for tightness in TIGHTNESS] if rate > 0 else []
     proven = next((v for v in [*levels, Fraction(0)] if is_hurwitz(p, exact(v))), None)
@@ -35,12 +41,12 @@ def _stability(id: str, equation: str, what: str, p: fmpq_poly) -> Claim:
         value = next((v for v in beyond if v > proven and not is_hurwitz(p, exact(v))), None)
         refuted = None if value is None else Refutation(value, None)
     return Claim(
-        id=id,
+        id=f"stability-{end}",
         equation=equation,
         form="hurwitz",
         statement=f"{what} decays faster than exp(−v·t), nominal load",
         uncertainty="none: nominal load",
-        interval=(Fraction(0), None),
+        interval=WHOLE,
         required=True,
         status=Outcome.REFUTED if proven is None else Outcome.PROVEN,
         margin=proven,

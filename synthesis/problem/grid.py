@@ -16,6 +16,8 @@ from .setting import Setting
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+HALVINGS = 60  # of a grid interval: to the last digit of a double
+
 
 def frequency_scale(setting: Setting) -> tuple[float, float]:
     """Lowest and highest frequency at which anything in the joint happens [rad/s]."""
@@ -84,18 +86,24 @@ class Evaluator:
             return np.asarray((right - left) / scale)
 
     def levels(self, inequality: Inequality, X: dict[Variable, RationalFunction]) -> NDArray[np.float64]:
-        """The hardest level v that holds at each ω, negative where none does. Returns (n,); not for the gain R."""
+        """The hardest level v that holds at each ω, negative where none does. Returns (n,)."""
         at = cache(lambda r: r.at(self.omega))
-        W, value = self.radius(inequality.source), at(X[inequality.variable])
         with np.errstate(all="ignore"):
-            if inequality.role is Role.CEILING:
-                left, right = inequality.sides(1.0, W, value, at)
-                return np.asarray(left / right)
-            rest, right = inequality.sides(0.0, W, value, at)
-            if inequality.role is Role.FLOOR:
-                return np.asarray(right - rest)
-            whole, _ = inequality.sides(1.0, W, value, at)
-            return np.asarray((right - rest) / (whole - rest))
+            numerator, denominator = inequality.level(self.radius(inequality.source), at(X[inequality.variable]), at)
+            return np.asarray(numerator / denominator)
+
+    def first_failure(self, inequality: Inequality, v: float, X: dict[Variable, RationalFunction]) -> float | None:
+        """The lowest frequency [rad/s] from which an inequality fails, halved down to between two grid points."""
+        failing = np.flatnonzero(self.slack(inequality, v, X) < 0)
+        if not failing.size:
+            return None
+        k = int(failing[0])
+        low, high = (0.0 if k == 0 else float(self.omega[k - 1])), float(self.omega[k])
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            fails = Evaluator(self.setting, np.array([middle])).slack(inequality, v, X)[0] < 0
+            low, high = (low, middle) if fails else (middle, high)
+        return low
 
     def inside(self, constraint: Constraint) -> NDArray[np.bool_]:
         """Which grid points lie in a constraint's interval. Returns (n,)."""

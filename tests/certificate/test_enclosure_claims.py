@@ -317,3 +317,37 @@ def test_parameters_are_only_what_is_uncertain() -> None:
     assert stretched == (fmpq(-47, 10), fmpq(149, 10))
     assert Family(setting, family.numerator, family.denominator, single=True).parameters == {}
     assert isinstance(JointOnCells(family, CellProver(family).axis((Fraction(1), Fraction(2)))[0]).setting, Setting)
+
+
+# ---- where nothing is left for the uncertainty
+
+
+def test_a_constraint_without_room_is_refuted_at_every_level() -> None:
+    """(18) as printed fails at low frequency without any uncertainty: no level, however small, holds there."""
+    setting, C = subject(spec(constraints={"eq18": {"form": "paper", "coupling": "physical"}}), Q)
+    band = (Fraction(1, 1000), Fraction(1, 10))
+    printed = replace(next(c for c in constraints(setting) if c.form == "paper/physical"), band=band)
+    prover = CellProver(family_of(setting, C))
+    assert prover.hardest(printed).status is Outcome.REFUTED
+    assert all(
+        form.upper[k] * cells.z[:, k].max() ** form.order < -1e6
+        for cells in prover.axis(band)
+        for form in prover.levels(printed, cells)
+        for k in range(cells.size)
+    )
+    above = replace(printed, band=(Fraction(30), Fraction(31)))
+    assert prover.hardest(above).status is Outcome.PROVEN  # the same prover, where there is room
+
+
+def test_ends_count_the_disc_for_friction_as_well() -> None:
+    """A disc of radius near 1 around K = 0: Z(0) of some plant inside it is 0 or negative, relative to the nominal."""
+    harmless, grave = (
+        Table(points=((Fraction(1), bound), (Fraction(100), bound)), beyond="hold")
+        for bound in (Fraction("0.1"), Fraction("40"))
+    )
+    held = []
+    for table in (harmless, grave):
+        setting, C = subject(extended(table=table), Q)
+        friction = next(c for c in constraints(setting) if c.id == "friction")
+        held.append(CellProver(family_of(setting, C)).ends(friction))
+    assert held == [True, False]

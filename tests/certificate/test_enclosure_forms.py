@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -137,15 +138,31 @@ def test_the_axis_is_covered_without_a_gap() -> None:
         assert np.isclose((halves.z[1] - halves.z[0]).sum(), (cells.z[1] - cells.z[0]).sum())
 
 
-@pytest.mark.parametrize("band", [(Fraction(2), Fraction(50)), (Fraction(0), Fraction(1, 10)), (Fraction(5000), None)])
-def test_a_band_is_covered_and_little_else(band: tuple[Fraction, Fraction | None]) -> None:
-    found = axis(0.3, 3000.0, 0, 30, band)
-    ends = []
-    for cells in found:
+BANDS = [
+    (Fraction(2), Fraction(50)),
+    (Fraction(0), Fraction(1, 10)),
+    (Fraction(1, 1000), Fraction(1, 10)),  # wholly below the joint's own frequencies
+    (Fraction(1, 1000), Fraction(50)),
+    (Fraction(1, 1000), None),
+    (Fraction(7), Fraction(7)),
+    (Fraction(2), Fraction(5000)),
+    (Fraction(5000), Fraction(6000)),
+    (Fraction(5000), None),
+]
+
+
+@pytest.mark.parametrize("band", BANDS)
+def test_a_band_is_covered_without_a_gap_and_little_else(band: tuple[Fraction, Fraction | None]) -> None:
+    cells = []
+    for part in axis(0.3, 3000.0, 0, 30, band):
         with np.errstate(divide="ignore"):
-            ends += [*(1 / cells.z.ravel() if cells.part is Part.HIGH else cells.z.ravel())]
-    assert min(ends) <= float(band[0]) <= min(ends) * (1 + 1e-12) + 1e-300
-    assert max(ends) >= (np.inf if band[1] is None else float(band[1]))
+            ends = 1 / part.z[::-1] if part.part is Part.HIGH else part.z
+        cells += [(float(a), float(b)) for a, b in ends.T]
+    cells.sort()
+    assert cells[0][0] <= float(band[0]) <= cells[0][0] * (1 + 1e-12)
+    assert cells[-1][1] >= (np.inf if band[1] is None else float(band[1]))
+    assert band[1] is None or cells[-1][1] <= float(band[1]) * (1 + 1e-12)
+    assert all(a[1] >= b[0] for a, b in pairwise(cells))
 
 
 def test_a_table_lies_between_its_extremes() -> None:

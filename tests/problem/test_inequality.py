@@ -130,8 +130,6 @@ def test_levels_are_where_the_slack_changes_sign(text: str, uncertainty: str) ->
     evaluator = Evaluator(joint, np.sort(10 ** rng.uniform(-1, 2.5, 12)))
     compared = 0
     for _, inequality in all_inequalities(joint):
-        if any(term.gain is Gain.R for term in inequality.moduli):
-            continue  # W/(1−W) is not linear in the level
         levels = evaluator.levels(inequality, values)
         usable = np.isfinite(levels) & (abs(levels) < 1e6)
         if inequality.role is Role.RADIUS:  # negative: it fails even without uncertainty

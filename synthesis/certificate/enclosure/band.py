@@ -8,13 +8,13 @@ from fractions import Fraction
 import numpy as np
 
 from ...problem.constraints import constraints
-from ...problem.constraints.inequality import Constraint
+from ...problem.constraints.inequality import WHOLE, Constraint
 from ...problem.grid import Evaluator
 from ..claim import Claim, Refutation, claim_of
 from ..outcome import Outcome
 from ..witness import short
 from .cells import Cells, Part
-from .prover import NEAR, CellProver, witness_at
+from .prover import NEAR, CellProver
 from .search import Point
 
 NEEDLES = 4  # resonances that the grid of frequencies overlooked
@@ -38,29 +38,18 @@ def _first_failure(prover: CellProver, conditions: list[Constraint]) -> float:
     """Where on the grid, at the vertices of the ranges, a condition first fails."""
     setting, family = prover.family.setting, prover.family
     omega = np.geomspace(*_middle(prover), num=4000)
-    first = float(omega[-1])
+    first, ids = float(omega[-1]), {condition.id for condition in conditions}
     for vertex in setting.vertices():
+        evaluator = Evaluator(vertex, omega)
         X = vertex.variables(vertex.build(family.numerator, family.denominator))
-        for c in constraints(vertex):
-            if c.id not in {condition.id for condition in conditions}:
-                continue
-            for inequality in c.inequalities:
-                slack = Evaluator(vertex, omega).slack(inequality, float(c.level or 0), X)
-                failing = np.flatnonzero(slack < 0)
-                if not failing.size:
-                    continue
-                k = int(failing[0])
-                a, b = float(omega[max(k - 1, 0)]), float(omega[k])
-                for _ in range(50):
-                    m = (a + b) / 2
-                    at = Evaluator(vertex, np.array([m])).slack(inequality, float(c.level or 0), X)[0]
-                    a, b = (a, m) if at < 0 else (m, b)
-                first = min(first, a)
+        for c in (c for c in constraints(vertex) if c.id in ids):
+            found = (evaluator.first_failure(inequality, float(c.level or 0), X) for inequality in c.inequalities)
+            first = min([first, *(omega for omega in found if omega is not None)])
     return first
 
 
 def _middle(prover: CellProver) -> tuple[float, float]:
-    cells = next(cells for cells in prover.axis((Fraction(0), None)) if cells.part is Part.MIDDLE)
+    cells = next(cells for cells in prover.axis(WHOLE) if cells.part is Part.MIDDLE)
     return float(cells.z.min()), float(cells.z.max())
 
 
@@ -87,13 +76,11 @@ def _twin(prover: CellProver, attenuation: Constraint, first: float) -> Refutati
     m = len(prover.family.parameters)
     for tightness in NEAR:
         omega = short(first * (1 + tightness), digits=8, up=True)
-        z = np.full((2, 1), float(omega))
-        for signs in [np.zeros((m, 1))] if m == 0 else [np.full((m, 1), s) for s in (0.0, -1.0, 1.0)]:
-            wide = np.stack([-np.ones((m, 1)), np.ones((m, 1))])
-            cells = Cells(Part.MIDDLE, z, wide)
-            slopes = prover.slacks(attenuation, level, cells)[0].c[2:]
-            at = cells.points(signs if signs.any() else -np.sign(slopes))
+        cells = Cells.at(float(omega), m)
+        steepest = -np.sign(prover.slacks(attenuation, level, cells)[0].c[2:])
+        for corner in (steepest, -np.ones((m, 1)), np.ones((m, 1))):
+            at = cells.points(corner)
             if float(prover.slacks(attenuation, level, at)[0].upper[0]) < 0:
-                found = witness_at(prover.family, Point(at, 0, 0.0, 0), omega, None)
-                return Refutation(omega, replace(found, impedance=None))
+                found = prover.witness(attenuation, Point(at, 0, 0.0, 0))
+                return Refutation(omega, replace(found, omega=omega, impedance=None))
     return None

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....models.rational import exact, to_float
+from ...problem.constraints.inequality import WHOLE
 from ...problem.grid import float_roots
 from ..hurwitz import is_hurwitz
 from ..outcome import Outcome
@@ -22,9 +23,9 @@ from ..witness import Witness, short
 from .cells import Cells, Part
 from .form import Form
 from .joint import Family, JointOnCells
-from .prover import CellProver
+from .prover import CellProver, witness_of
 from .wave import Wave
-from .winding import ENDS, ROUNDS, WHOLE, turns
+from .winding import ENDS, ROUNDS, turns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -172,10 +173,7 @@ def _critical(family: Family, end: str) -> Iterator[tuple[float, NDArray[np.floa
     for _ in range(REFINEMENTS):
         lowest: list[tuple[Any, ...]] = []
         for grid in grids:
-            t = np.ones((2, m, grid.size))
-            t[0] = -1.0
-            cells = Cells(Part.MIDDLE, np.vstack([grid, grid]), t)
-            p, q, _, _ = _plane(ENDS[end](JointOnCells(prover.family, cells)))
+            p, q, _, _ = _plane(ENDS[end](JointOnCells(prover.family, Cells.at(grid, m))))
             v, entering = _entering(p, grid * q, offset)
             padded = np.concatenate([[np.inf], v, [np.inf]])
             for k in np.flatnonzero((v <= padded[:-2]) & (v <= padded[2:]) & np.isfinite(v)).tolist():
@@ -253,10 +251,10 @@ def _entering(
 
 def _unstable(family: Family, end: str, value: Fraction, t: NDArray[np.float64], omega: float) -> Witness | None:
     """The joint at parameters t, in [−1, 1], of the box stretched by `value`, if it is proven unstable."""
-    whole, point = replace(family, spread=Fraction(1), loads=True), replace(family, spread=Fraction(0), loads=True)
+    whole = replace(family, spread=Fraction(1), loads=True)
     values = {}
     for (name, (low, high)), share in zip(whole.parameters.items(), t, strict=True):
-        nominal_value, at = point.middle(name), exact(min(max(short(share, digits=9), Fraction(-1)), Fraction(1)))
+        nominal_value, at = whole.middle(name), exact(min(max(short(share, digits=9), Fraction(-1)), Fraction(1)))
         values[name] = nominal_value + exact(value) * ((low + high) / 2 + (high - low) / 2 * at - nominal_value)
     setting = family.setting.at({k: v for k, v in values.items() if not k.startswith("load.")})
     nominal = setting.loop.nominal
@@ -269,10 +267,5 @@ def _unstable(family: Family, end: str, value: Fraction, t: NDArray[np.float64],
         stable = turns(CellProver(one), end) in (0, None)
     if stable:
         return None
-    named = {k.split(".")[0] for k in values}
-    return Witness(
-        short(omega) if np.isfinite(omega) else None,
-        load if "load" in named else None,
-        impedance=setting.loop.desired if "impedance" in named else None,
-        actuator=setting.elastic if "actuator" in named else None,
-    )
+    frequency = short(omega) if np.isfinite(omega) else None
+    return witness_of(setting, values, frequency, load if any(k.startswith("load.") for k in values) else None)

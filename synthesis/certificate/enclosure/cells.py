@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ....models.rational import to_float
 from ....models.sampling import Hold
+from ...problem.constraints.inequality import Band
 from .form import ROUNDING, TINY, Form
 from .wave import Wave
 
@@ -40,6 +40,18 @@ class Cells:
     part: Part
     z: NDArray[np.float64]
     t: NDArray[np.float64]
+
+    @classmethod
+    def whole(cls, part: Part, z: NDArray[np.float64], parameters: int) -> Cells:
+        """Cells between z[0] and z[1], (2, n), for the whole range of every parameter."""
+        t = np.ones((2, parameters, z.shape[1]))
+        t[0] = -1.0
+        return cls(part, z, t)
+
+    @classmethod
+    def at(cls, omega: NDArray[np.float64] | float, parameters: int) -> Cells:
+        """Single frequencies, (n,) [rad/s], for the whole range of every parameter."""
+        return cls.whole(Part.MIDDLE, np.vstack([omega, omega]).astype(float), parameters)
 
     @property
     def size(self) -> int:
@@ -72,7 +84,7 @@ class Cells:
         t = np.where(signs < 0, self.t[0], np.where(signs > 0, self.t[1], self.t.mean(axis=0)))
         return Cells(self.part, np.vstack([z, z]), np.stack([t, t]))
 
-    def _moving(self, index: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> Form:
+    def moving(self, index: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> Form:
         """The form of a quantity that runs from low to high with tᵢ."""
         c = np.zeros((2 + self.t.shape[1], self.size))
         c[0], c[1 + index] = (low + high) / 2, (high - low) / 2
@@ -80,7 +92,7 @@ class Cells:
 
     def frequency(self) -> Form:
         """The form of z itself, of order 0."""
-        return self._moving(0, *self.z)
+        return self.moving(0, *self.z)
 
     @property
     def s(self) -> Wave:
@@ -95,7 +107,7 @@ class Cells:
         """An uncertain number in [low, high] (exact rationals), as a form in the cell's share of it."""
         a, b = to_float(low), to_float(high)
         ends = [(a + b) / 2 + (b - a) / 2 * t for t in self.t[:, index]]
-        form = self._moving(1 + index, *ends)
+        form = self.moving(1 + index, *ends)
         one = self.s.x
         return Form(form.c, form.rho + 8 * ROUNDING * (abs(a) + abs(b)) + TINY, 0, one.z)
 
@@ -156,29 +168,26 @@ def _versed(w: NDArray[np.float64], T: float) -> tuple[Any, ...]:
     return -T / 2 * value**2, -T * value * slope, T / 2 * (2 / 3) * (T / 2) ** 2, T / 2
 
 
-def axis(
-    low: float, high: float, parameters: int, middle: int, band: tuple[Fraction, Fraction | None]
-) -> tuple[Cells, ...]:
-    """Cells that cover a band: the joint's own frequencies [low, high] in `middle` cells, and the ends beyond."""
+def axis(low: float, high: float, parameters: int, middle: int, band: Band) -> tuple[Cells, ...]:
+    """Cells that cover a band: the joint's own frequencies [low, high] in `middle` cells, and the ends beyond.
+
+    low, high, band in rad/s; the band may lie anywhere about them, and its two ends are covered, too.
+    """
     first, last = float(band[0]), np.inf if band[1] is None else float(band[1]) * (1 + 1e-15)
     first *= 1 - 1e-15
     found = []
 
     def cells(part: Part, edges: Any) -> None:
         edges = np.asarray(edges, dtype=float)
-        t = np.ones((2, parameters, edges.size - 1))
-        t[0] = -1.0
-        found.append(Cells(part, np.vstack([edges[:-1], edges[1:]]), t))
+        found.append(Cells.whole(part, np.vstack([edges[:-1], edges[1:]]), parameters))
 
-    if first == 0:
-        cells(Part.LOW, [0.0, min(low, last)])
+    if first < low:
+        cells(Part.LOW, [first, min(low, last)])
     a, b = max(first, low), min(last, high)
     if a < b:
         inner = np.geomspace(a, b, middle + 1)
         inner[0], inner[-1] = a, b
         cells(Part.MIDDLE, inner)
-    elif first > 0 and first == last:
-        cells(Part.MIDDLE, [first, last])
     if last > high:
         start = max(high, first)
         cells(Part.HIGH, [0.0 if np.isinf(last) else 1 / last * (1 - 1e-15), 1 / start * (1 + 1e-15)])

@@ -8,10 +8,11 @@ from fractions import Fraction
 
 from ....models.controller import Compensator
 from ...problem.constraints import constraints
-from ...problem.constraints.inequality import Constraint
+from ...problem.constraints.inequality import WHOLE, Constraint
 from ...problem.setting import Setting
 from ..claim import Claim, Refutation
 from ..outcome import Outcome
+from ..stability import MODES
 from ..witness import short
 from .band import prove_bandwidth
 from .box import largest_spread
@@ -20,12 +21,7 @@ from .prover import NEAR, CellProver
 from .tolerance import holds, levels, twin, weakest
 from .winding import turns
 
-WHOLE = (Fraction(0), None)
 EVERY = {"free": "every load, impedance and actuator of the stated boxes", "locked": "every actuator of the stated box"}
-WHAT = {
-    "free": ("denominator of (8) and (17)", "every mode in free motion"),
-    "locked": ("1 + HCF", "every mode against a rigid wall"),
-}
 
 
 def prove_constraints(setting: Setting, C: Compensator) -> Iterator[Claim]:
@@ -42,7 +38,7 @@ def prove_constraints(setting: Setting, C: Compensator) -> Iterator[Claim]:
 def prove_winding(setting: Setting, C: Compensator) -> Iterator[Claim]:
     """Nominal stability with the hold of a sampled controller, free and locked."""
     family = replace(family_of(setting, C), single=True)
-    for end, (equation, what) in WHAT.items():
+    for end, (equation, what) in MODES.items():
         turned = turns(CellProver(family), end)
         stable = turned == 0
         yield Claim(
@@ -69,9 +65,9 @@ def prove_boxes(setting: Setting, C: Compensator) -> Iterator[Claim]:
         beyond = None if found.refuted is None else Refutation(found.refuted, found.witness)
         yield Claim(
             id=f"stability-{end}",
-            equation=WHAT[end][0],
+            equation=MODES[end][0],
             form="box",
-            statement=f"{WHAT[end][1]} decays for every joint of the boxes, stretched by v about the nominal joint",
+            statement=f"{MODES[end][1]} decays for every joint of the boxes, stretched by v about the nominal joint",
             uncertainty=EVERY[end],
             interval=WHOLE,
             required=True,

@@ -133,6 +133,12 @@ class Form:
         c[0] += a - slope * a**2 + bulge
         return even._like(c, slope * even.rho + bulge + ROUNDING * (a + b), even.order // 2)
 
+    def where(self, which: NDArray[np.bool_], value: float) -> Form:
+        """With another value, instead of the form's, on some of the cells."""
+        c = np.where(which, 0.0, self.c)
+        c[0] = np.where(which, value, self.c[0])
+        return Form(c, np.where(which, 0.0, self.rho), self.order, self.z)
+
     def where_below_one(self, value: Form) -> Form:
         """A value that means something only where this form is certainly below 1."""
         bounded = self.shifted(min(self.order, 0))

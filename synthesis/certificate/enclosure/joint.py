@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -15,7 +15,7 @@ from ....models.controller import Compensator
 from ....models.impedance import DynamicStiffness
 from ....models.rational import exact
 from ....models.uncertainty import Segment, Table
-from ...problem.constraints.inequality import Gain, Inequality, Role, Source, Variable, needs_disc
+from ...problem.constraints.inequality import Inequality, Role, Source, Variable, needs_disc
 from ...problem.setting import ACTUATOR, LOAD, Setting
 from .cells import Cells, Part
 from .form import Form
@@ -23,6 +23,7 @@ from .wave import Wave
 
 Range = tuple[fmpq, fmpq]
 EDGE = "edge"
+HOPELESS = -1e12  # −1/v of a level so close to 0 that it stands for none
 
 
 @dataclass(frozen=True)
@@ -74,14 +75,14 @@ class Family:
             return getattr(self.setting.loop.nominal, key)  # type: ignore[no-any-return]
         return (self.setting.impedances if part == "impedance" else self.setting.actuators)[key][2]
 
-    def point(self, cells: Cells, k: int) -> dict[str, Fraction]:
+    def point(self, cells: Cells, k: int) -> dict[str, fmpq]:
         """Exact values of the parameters at the k-th (degenerate) cell."""
-        values = {}
-        for index, (name, (low, high)) in enumerate(self.parameters.items()):
-            share = exact(float(cells.t[0, index, k]))
-            value = (low + high) / 2 + (high - low) / 2 * share
-            values[name] = Fraction(int(value.p), int(value.q))
-        return values
+        shares = (exact(float(share)) for share in cells.t[0, :, k])
+        ranges = self.parameters.items()
+        return {
+            name: (low + high) / 2 + (high - low) / 2 * share
+            for (name, (low, high)), share in zip(ranges, shares, strict=True)
+        }
 
 
 def family_of(setting: Setting, C: Compensator) -> Family:
@@ -96,15 +97,10 @@ class JointOnCells:
 
     family: Family
     cells: Cells
-    _names: list[str] = field(init=False)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "_names", list(self.family.parameters))
 
     def _number(self, name: str, otherwise: Any) -> Any:
-        if name not in self.family.parameters:
-            return otherwise
-        return self.cells.parameter(self._names.index(name), *self.family.parameters[name])
+        parameters = self.family.parameters
+        return self.cells.parameter([*parameters].index(name), *parameters[name]) if name in parameters else otherwise
 
     @cached_property
     def s(self) -> Wave:
@@ -169,22 +165,19 @@ class JointOnCells:
     def levels(self, inequality: Inequality) -> Iterator[Form]:
         """For each member of the uncertainty, the level that just holds: v itself, or −1/v, or −v: larger is easier.
 
-        FLOOR: v. CEILING: −v. RADIUS: −1/v, which an exact model (W = 0) leaves finite.
+        FLOOR: v. CEILING: −v. RADIUS: −1/v, which an exact model (W = 0) leaves finite; HOPELESS where none holds.
         """
         X, at, zero = self.variables[inequality.variable], self.s.real_number, self.s.x.constant(0)
         for W in self._radii(inequality):
-            rest, right = (side + zero for side in inequality.sides(0, W, X, at))
+            numerator, denominator = (side + zero for side in inequality.level(W, X, at))
             if inequality.role is Role.FLOOR:
-                yield right - rest
-                continue
-            if inequality.role is Role.CEILING:
-                left, right = (side + zero for side in inequality.sides(1, W, X, at))
-                yield -(left / right)
-                continue
-            steep = any(term.gain is Gain.R for term in inequality.moduli)  # vW/(1−vW) is 1 at vW = 1/2
-            whole = inequality.sides(1, Fraction(1, 2) if steep else W, X, at)[0] + zero
-            share = (whole - rest) / (right - rest)
-            yield -((share + 1) * W + zero) if steep else -share
+                yield numerator
+            elif inequality.role is Role.CEILING:
+                yield -(numerator / denominator)
+            else:
+                share = -(denominator / numerator)
+                share = share.shifted(min(share.order, 0))
+                yield share.where(numerator.upper < 0, HOPELESS)
 
     def _radii(self, inequality: Inequality) -> Iterator[Any]:
         if inequality.source is Source.NONE:
@@ -229,7 +222,7 @@ class JointOnCells:
             return self.cells.ball(least, most)
         ends = np.array([table(low), table(high)])
         straight = table.straight(low, high)
-        linear = self.cells._moving(0, *ends)
+        linear = self.cells.moving(0, *ends)
         ball = self.cells.ball(least, most)
         c = np.where(straight, linear.c, ball.c)
         return Form(c, np.where(straight, linear.rho, ball.rho) + 1e-12 * most, 0, self.s.x.z)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
@@ -10,21 +10,22 @@ from typing import Any
 import numpy as np
 
 from ....models.impedance import DynamicStiffness
-from ....models.rational import exact
 from ...problem.constraints import constraints
-from ...problem.constraints.inequality import Constraint, Inequality, Role
+from ...problem.constraints.eq12 import least_at_end
+from ...problem.constraints.inequality import WHOLE, Band, Constraint, Inequality, Role, Variable
 from ...problem.grid import frequency_scale
+from ...problem.setting import Setting
 from ..claim import Claim, Refutation, claim_of
 from ..outcome import Outcome
 from ..witness import Witness, short
-from .cells import Cells, axis
+from .cells import Cells, Part, axis
 from .form import Form
-from .joint import EDGE, Family, JointOnCells
+from .joint import Family, JointOnCells
 from .search import Minimum, Point, minimum
 
 MIDDLE = 1000  # cells the axis starts with
 BEYOND = 30.0  # how far beyond the joint's own frequencies the ends of the axis begin
-WITHIN_REACH = 0.5
+WITHIN_REACH = 0.5  # share of the margin that is claimed where the checker's last per cents would take minutes
 NEAR = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1)
 
 
@@ -36,7 +37,7 @@ class CellProver:
     _joints: dict[int, tuple[Cells, JointOnCells]] = field(default_factory=dict, repr=False, compare=False)
     _axes: dict[Any, tuple[Cells, ...]] = field(default_factory=dict, repr=False, compare=False)
 
-    def axis(self, band: tuple[Fraction, Fraction | None]) -> tuple[Cells, ...]:
+    def axis(self, band: Band) -> tuple[Cells, ...]:
         """Cells to begin with."""
         if band not in self._axes:
             low, high = frequency_scale(self.family.setting)
@@ -65,12 +66,10 @@ class CellProver:
         return [form for inequality in self.inequalities(constraint, joint) for form in joint.levels(inequality)]
 
     def slacks(self, constraint: Constraint, v: Fraction, cells: Cells) -> list[Form]:
-        """Right minus left at a level, divided by the right: positive where the constraint holds."""
-        joint, found = self.joint(cells), []
-        for inequality in self.inequalities(constraint, joint):
-            for left, right in joint.sides(inequality, v):
-                found.append(right - left)
-        return found
+        """Right minus left at a level, positive where the constraint holds: one form for each, as for `levels`."""
+        joint = self.joint(cells)
+        each = (side for inequality in self.inequalities(constraint, joint) for side in joint.sides(inequality, v))
+        return [right - left for left, right in each]
 
     @np.errstate(all="ignore")
     def hardest(self, constraint: Constraint) -> Claim:
@@ -83,7 +82,7 @@ class CellProver:
         )
         role, required = constraint.role, constraint.level
         if role is Role.FLOOR and self.family.setting.actuators and np.isfinite(found.low):
-            easy = float(required or 0)  # the last per cents of a curved family would cost whoever checks them minutes
+            easy = float(required or 0)
             found = replace(found, low=easy + WITHIN_REACH * (found.low - easy))
         proven, beyond = _level(found.low, role, up=False), _level(found.high, role, up=True)
         harder = constraint.role.harder
@@ -103,7 +102,7 @@ class CellProver:
 
     @np.errstate(all="ignore")
     def decide(self, wanted: Sequence[tuple[Constraint, Fraction]]) -> Minimum:
-        """Whether constraints hold at given levels on their bands, all together where the bands agree."""
+        """Whether constraints hold at given levels on their bands: the least slack, of the first that is not proven."""
         worst = Minimum(np.inf, np.inf, None)
         for constraint, v in wanted:
             found = minimum(
@@ -129,24 +128,20 @@ class CellProver:
         return all(float(form.lower[0]) > 0 and form.order == 0 for form in self._ends(constraint))
 
     def _ends(self, constraint: Constraint) -> Iterator[Form]:
-        for cells in self.axis((Fraction(0), None)):
+        for cells in self.axis(WHOLE):
             if cells.z[0, 0] > 0:
                 continue
             at = Cells(cells.part, np.zeros((2, 1)), cells.t[:, :, :1])
             joint = JointOnCells(self.family, at)
-            loop, X, C = joint.setting.loop, joint.setting.variables(joint.compensator), joint.compensator
-            s, uncertainty = joint.s, self.family.setting.uncertainty
-            Q = next(X[v] for v in X if v.name == "Q_TILDE")
-            unit = s.polynomial(exact_one()) if at.part.value == "low" else s * s
+            loop, C, s, uncertainty = joint.setting.loop, joint.compensator, joint.s, self.family.setting.uncertainty
+            unit = s.real_number(1) if at.part is Part.LOW else s * s
             reference = loop.free(loop.nominal)(C) if constraint.id == "friction" else loop.locked()(C) * unit
+            own = (1 - joint.variables[Variable.Q_TILDE]) * loop.locked()(C) / reference
             for load in uncertainty.corners():
-                A = loop.free(load)(C) / reference
-                yield A.real
-                if uncertainty.disc and constraint.id == "friction":
-                    continue
+                A = (loop.free(load)(C) / reference).real
+                yield A
                 if uncertainty.disc:
-                    own = (1 - Q) * load.rational / unit
-                    yield A.real * A.real - (A - own).real * (A - own).real * joint.disc * joint.disc
+                    yield least_at_end(A, (own * load.rational).real, joint.disc * joint.disc)
 
     def witness(self, constraint: Constraint, point: Point) -> Witness:
         """The exact point of a refutation: frequency, load (if one decides), impedance and actuator."""
@@ -156,23 +151,23 @@ class CellProver:
         return witness_at(self.family, point, omega, loads[point.form])
 
 
-def exact_one() -> list[Any]:
-    """The polynomial 1."""
-    return [exact(1)]
-
-
 def witness_at(family: Family, point: Point, omega: Fraction | None, load: DynamicStiffness | None) -> Witness:
     """A witness with the parameters of a point; those that are single numbers are left out."""
     values = family.point(point.cells, point.k)
-    setting = family.setting.at(
-        {k: exact(v) for k, v in values.items() if k.split(".")[0] in ("impedance", "actuator")}
-    )
-    named = {k.split(".")[0] for k in values if k != EDGE}
+    setting = family.setting.at({k: v for k, v in values.items() if k.startswith(("impedance.", "actuator."))})
+    return witness_of(setting, values, omega, load)
+
+
+def witness_of(
+    setting: Setting, names: Iterable[str], omega: Fraction | None, load: DynamicStiffness | None
+) -> Witness:
+    """A witness with a load, and with a setting's impedance and actuator if these names ask for them."""
+    parts = {name.split(".")[0] for name in names}
     return Witness(
         omega,
         load,
-        impedance=setting.loop.desired if "impedance" in named else None,
-        actuator=setting.elastic if "actuator" in named else None,
+        impedance=setting.loop.desired if "impedance" in parts else None,
+        actuator=setting.elastic if "actuator" in parts else None,
     )
 
 

@@ -9,15 +9,16 @@ from itertools import islice, product
 from typing import TYPE_CHECKING
 
 import numpy as np
+from flint import fmpq_poly
 
-from ....models.rational import descending, exact, polynomial
+from ....models.rational import descending
 from ...problem.constraints.inequality import Constraint
 from ...spec.model import Polynomials
 from ..witness import Witness, short
 from .box import excluded
 from .cells import Cells, Part
 from .joint import Family
-from .prover import CellProver, witness_at
+from .prover import CellProver
 from .search import Point
 
 if TYPE_CHECKING:
@@ -28,17 +29,17 @@ TRIAL = Fraction(1, 10**9)  # perturbation whose first-order effect is measured
 LARGEST = 0.5
 MOST_VERTICES = 64  # of the ranges of impedances and actuators
 BELOW = (2e-3, 5e-3, 0.03, 0.15, 0.5)
+BEYOND = (2e-3, 5e-3, 0.03, 0.15)
 COEFFICIENTS = ("numerator", "denominator")
 
 
 @dataclass(frozen=True)
 class Weakest:
-    """Where a perturbation breaks something first, to first order: its size, the constraint, the cell and the form."""
+    """Where a perturbation breaks something first, to first order: its size, the constraint, the point."""
 
     size: float
     constraint: Constraint
     point: Point
-    signs: NDArray[np.float64]
 
 
 def holds(family: Family, required: Required, v: Fraction) -> bool:
@@ -69,23 +70,20 @@ def weakest(family: Family, required: Required) -> Weakest | None:
 
 
 def _on_grid(prover: CellProver, constraint: Constraint, v: Fraction, omega: NDArray[np.float64]) -> Weakest | None:
-    names = list(prover.family.parameters)
-    controller = np.array([name.startswith(COEFFICIENTS) for name in names])
+    controller = _of_controller(prover.family)
     best: Weakest | None = None
     for vertex in islice(product((-1.0, 1.0), repeat=int((~controller).sum())), MOST_VERTICES):
-        t = np.ones((2, len(names), omega.size))
-        t[0] = -1.0
-        t[:, ~controller] = np.array(vertex)[None, :, None]
-        at_vertex = Cells(Part.MIDDLE, np.vstack([omega, omega]), t)
+        at_vertex = Cells.at(omega, controller.size)
+        at_vertex.t[:, ~controller] = np.array(vertex)[None, :, None]
         for index, form in enumerate(prover.slacks(constraint, v, at_vertex)):
             slopes = form.c[2:]
             reach = np.abs(slopes).sum(axis=0)
             sizes = np.where(np.isfinite(form.rho) & (reach > 0), form.c[0] / reach * float(TRIAL), np.inf)
             k = int(np.argmin(sizes))
             if np.isfinite(sizes[k]) and (best is None or sizes[k] < best.size):
-                signs = np.where(controller, -np.sign(slopes[:, k]), t[0, :, k])
-                point = Point(at_vertex[[k]].points(signs[:, None]), 0, 0.0, index)
-                best = Weakest(float(sizes[k]), constraint, point, signs)
+                corner = np.where(controller, -np.sign(slopes[:, k]), at_vertex.t[0, :, k])
+                point = Point(at_vertex[[k]].points(corner[:, None]), 0, 0.0, index)
+                best = Weakest(float(sizes[k]), constraint, point)
     return best
 
 
@@ -102,42 +100,26 @@ def levels(found: Weakest | None, asked: Fraction | None) -> Iterator[Fraction]:
 
 def twin(family: Family, found: Weakest, proven: Fraction | None) -> tuple[Fraction, Witness] | None:
     """A controller just beyond the tolerance for which the weakest constraint fails, at an exact point."""
-    omega = short(found.point.omega, digits=12)
-    names = list(family_names(family))
-    for beyond in (2e-3, 5e-3, 0.03, 0.15):
+    point, level = found.point, found.constraint.level or Fraction(0)
+    z, others = np.full((2, 1), float(short(point.omega, digits=12))), ~_of_controller(replace(family, tolerance=TRIAL))
+    for beyond in BEYOND:
         v = short(found.size * (1 + beyond), up=True)
         if v >= 1 or v <= (proven or 0):
             continue
+        values = replace(family, tolerance=v).point(point.cells, point.k)
         numerator, denominator = (
-            _moved(getattr(family, part).coeffs(), part, names, found.signs, v) for part in COEFFICIENTS
+            fmpq_poly([values.get(f"{part}.{k}", c) for k, c in enumerate(getattr(family, part).coeffs())])
+            for part in COEFFICIENTS
         )
-        moved = replace(family, numerator=numerator, denominator=denominator)
-        prover = CellProver(moved)
-        z = np.full((2, 1), float(omega))
-        others = [k for k, name in enumerate(names) if not name.startswith(COEFFICIENTS)]
-        t = np.repeat(found.signs[others][None, :, None], 2, axis=0)
-        level = next(v for c, v in [(found.constraint, found.constraint.level or Fraction(0))])
-        at = Cells(Part.MIDDLE, z, t)
-        forms = prover.slacks(found.constraint, level, at)
-        if float(forms[found.point.form].upper[0]) < 0:
-            joint = prover.joint(at)
-            loads = [q.load for q in prover.inequalities(found.constraint, joint) for _ in joint.sides(q, 1)]
-            witness = witness_at(moved, Point(at, 0, 0.0, found.point.form), omega, loads[found.point.form])
-            controller = Polynomials(numerator=descending(numerator), denominator=descending(denominator))
-            return v, replace(witness, controller=controller, claim=(found.constraint.id, found.constraint.form))
+        prover = CellProver(replace(family, numerator=numerator, denominator=denominator))
+        at = replace(point, cells=Cells(Part.MIDDLE, z, point.cells.t[:, others]))
+        if float(prover.slacks(found.constraint, level, at.cells)[at.form].upper[0]) < 0:
+            coefficients = Polynomials(numerator=descending(numerator), denominator=descending(denominator))
+            claim = (found.constraint.id, found.constraint.form)
+            return v, replace(prover.witness(found.constraint, at), controller=coefficients, claim=claim)
     return None
 
 
-def family_names(family: Family) -> list[str]:
-    """Names of the parameters when coefficients are among them."""
-    return list(replace(family, tolerance=TRIAL).parameters)
-
-
-def _moved(coefficients: list, part: str, names: list[str], signs: NDArray[np.float64], v: Fraction):  # type: ignore[no-untyped-def, type-arg]
-    """The polynomial with each coefficient at the end of its interval that does harm."""
-    moved = []
-    for k, c in enumerate(coefficients):
-        name = f"{part}.{k}"
-        sign = int(signs[names.index(name)]) if name in names else 0
-        moved.append(c + abs(c) * exact(v) * sign)
-    return polynomial(moved[::-1])
+def _of_controller(family: Family) -> NDArray[np.bool_]:
+    """Which parameters are coefficients of the controller."""
+    return np.array([name.startswith(COEFFICIENTS) for name in family.parameters])

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from fractions import Fraction
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,7 @@ import numpy as np
 from flint import fmpq_poly
 
 from ....models.rational import exact
+from ...problem.constraints.inequality import WHOLE
 from ..witness import short
 from .cells import Cells, Part
 from .form import Form
@@ -26,7 +26,6 @@ from .wave import Wave
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-WHOLE = (Fraction(0), None)
 ROUNDS = 24
 Function = Callable[[JointOnCells], Wave]
 ENDS: dict[str, Function] = {"free": JointOnCells.free, "locked": JointOnCells.locked}

@@ -12,6 +12,7 @@ Neither paper nor disc can hold up to ω = ∞ when the inertia is uncertain: th
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import Any
 
 from ....models.impedance import DynamicStiffness
 from ..setting import Setting
@@ -104,3 +105,11 @@ def _structured(setting: Setting, level: Fraction, band: tuple[Fraction, Fractio
         positive_real=band[1] is None,
         remedy="give a band on which the weight stays below 1, or reduce the weight",
     )
+
+
+def least_at_end(A: Any, own: Any, V2: Any) -> Any:
+    """At s = 0 and ∞, A > 0 given, what must not be negative for every real e = Δ, |e| ≤ V: `A² − (A − own)² V²`.
+
+    A: value of Z, own: that of its part (1−Q̃)G⁻¹, both over a reference. `1 + e` times the value is `A + (A − own)e`.
+    """
+    return A * A - (A - own) * (A - own) * V2

@@ -21,6 +21,9 @@ from ....models.impedance import DynamicStiffness
 from ....models.rational import ONE, ZERO, RationalFunction
 from ..variable import Variable as Variable
 
+Band = tuple[Fraction, Fraction | None]  # interval of ω [rad/s], upper end None for infinity
+WHOLE: Band = (Fraction(0), None)
+
 
 class Gain(Enum):
     """Factors made of the radius W of |Δ| ≤ W. `|Δ/(1+Δ)| ≤ R`; it fills the disc of `centre` and radius RHO."""
@@ -150,6 +153,22 @@ class Inequality:
         right = abs(value(self.right)) if self.modulus_right else value(self.right).real
         return left, v * right if self.role is Role.CEILING else right
 
+    def level(self, W: Any, X: Any, at: Any) -> tuple[Any, Any]:
+        """Numerator and denominator of the level v at which both sides are equal; see `sides` for the arguments.
+
+        FLOOR, RADIUS: the hardest one that holds, where the numerator is positive. CEILING: the least one.
+        """
+        rest, right = self.sides(0.0, W, X, at)
+        if self.role is Role.FLOOR:
+            return right - rest, 1.0
+        if self.role is Role.CEILING:
+            return self.sides(1.0, W, X, at)
+        if any(term.gain is Gain.R for term in self.moduli):  # vW/(1−vW), which is 1 at vW = 1/2
+            whole, _ = self.sides(1.0, 0.5, X, at)
+            return right - rest, (whole - rest + right - rest) * W
+        whole, _ = self.sides(1.0, W, X, at)
+        return right - rest, whole - rest
+
 
 def needs_disc(inequality: Inequality) -> bool:
     """Whether its gains are those of Δ/(1+Δ), which mean something only where W < 1."""
@@ -162,8 +181,8 @@ class Constraint:
     """A numbered condition: its inequalities (all must hold), what is asked of it, what to do where it is impossible.
 
     positive_real: the ends s = 0 and ∞ count, too.
-    level: the v that is required, or None when the claim is only reported. band: interval of ω [rad/s], upper end None
-    for infinity; `on_band`: [0, ω_B], the objective's own; `largest_band`: the largest interval on which it holds.
+    level: the v that is required, or None when the claim is only reported. band: where it holds;
+    `on_band`: [0, ω_B], the objective's own; `largest_band`: the largest interval on which it holds.
     """
 
     id: str
@@ -173,7 +192,7 @@ class Constraint:
     uncertainty: str
     inequalities: tuple[Inequality, ...]
     level: Fraction | None
-    band: tuple[Fraction, Fraction | None] = (Fraction(0), None)
+    band: Band = WHOLE
     on_band: bool = False
     largest_band: bool = False
     strict: bool = True
