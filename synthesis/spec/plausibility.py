@@ -35,7 +35,8 @@ def _spring(spec: Spec) -> Iterator[str]:
     if isinstance(actuator, SeriesElasticActuator) and highest > actuator.spring_stiffness:
         yield (
             f"impedance.stiffness {decimal_text(highest)} exceeds actuator.spring_stiffness "
-            f"{decimal_text(actuator.spring_stiffness)}: passivity leaves almost no bandwidth there"
+            f"{decimal_text(actuator.spring_stiffness)}: only feedback renders that, and with a slow torque loop "
+            "passivity may leave little bandwidth"
         )
 
 
