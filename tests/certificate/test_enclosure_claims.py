@@ -351,3 +351,37 @@ def test_ends_count_the_disc_for_friction_as_well() -> None:
         friction = next(c for c in constraints(setting) if c.id == "friction")
         held.append(CellProver(family_of(setting, C)).ends(friction))
     assert held == [True, False]
+
+
+# ---- a controller that answers at once, on an ideal actuator: only the hold makes its loop gain fall
+
+
+def feedthrough(attenuation: str) -> tuple[Claim, ...]:
+    asked = extended(sampling=SAMPLED)
+    ideal = spec(actuator={"type": "ideal"}, objective={"attenuation": attenuation}, constraints={"eq18": None})
+    controller = ideal.controller.model_copy(update={"type": "dynamic-feedback"})
+    return certify(
+        *subject(
+            ideal.model_copy(update={"sampling": asked.sampling, "controller": controller}),
+            rational(("1", "20"), ("1", "40")),
+        )
+    )
+
+
+def test_a_hold_is_followed_until_it_is_small() -> None:
+    claims = feedthrough("0.7")
+    assert all(claim.status is not Outcome.UNDECIDED for claim in claims)
+    assert claim_named(claims, "stability-free", "winding").status is Outcome.PROVEN
+    assert claim_named(claims, "stability-free", "box").status is Outcome.REFUTED
+    assert float(claim_named(claims, "bandwidth").margin or 0) > 900
+
+
+def test_no_bandwidth_at_all_is_refuted_at_zero() -> None:
+    """`|1 − Q̃(0)| = 2/3`: an attenuation of 0.6 fails at once, and nothing is said about the objective's band."""
+    claims = feedthrough("0.6")
+    band = claim_named(claims, "bandwidth")
+    assert band.status is Outcome.REFUTED
+    assert band.refuted_at is not None
+    assert band.refuted_at.witness is not None
+    assert band.refuted_at.witness.omega == 0
+    assert claim_named(claims, "rendering").status is Outcome.UNDECIDED

@@ -31,7 +31,12 @@ def prove_bandwidth(prover: CellProver) -> Claim:
             return claim_of(
                 replace(attenuation, band=(Fraction(0), end)), Outcome.PROVEN, end, _twin(prover, attenuation, first)
             )
-    return claim_of(replace(attenuation, band=(Fraction(0), Fraction(0))), Outcome.UNDECIDED, None, None)
+    nowhere = replace(attenuation, band=(Fraction(0), Fraction(0)))
+    found = prover.decide([(nowhere, prover.family.setting.spec.objective.attenuation)])
+    if found.high < 0 and found.at is not None:
+        beyond = replace(prover.witness(attenuation, found.at), impedance=None)
+        return claim_of(nowhere, Outcome.REFUTED, None, Refutation(Fraction(0), beyond))
+    return claim_of(nowhere, Outcome.UNDECIDED, None, None)
 
 
 def _first_failure(prover: CellProver, conditions: list[Constraint]) -> float:

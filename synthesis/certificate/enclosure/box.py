@@ -25,12 +25,11 @@ from .form import Form
 from .joint import Family, JointOnCells
 from .prover import CellProver, witness_of
 from .wave import Wave
-from .winding import ENDS, ROUNDS, turns
+from .winding import ENDS, MOST_CELLS, ROUNDS, turns
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-MOST_CELLS = 30_000
 LARGEST_SPREAD = 1000.0
 REFINEMENTS, BASINS = 5, 8  # of the grid around its lowest minima
 MOST_VERTICES = 128

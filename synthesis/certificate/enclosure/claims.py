@@ -10,7 +10,7 @@ from ....models.controller import Compensator
 from ...problem.constraints import constraints
 from ...problem.constraints.inequality import WHOLE, Constraint
 from ...problem.setting import Setting
-from ..claim import Claim, Refutation
+from ..claim import Claim, Refutation, claim_of
 from ..outcome import Outcome
 from ..stability import MODES
 from ..witness import short
@@ -31,6 +31,8 @@ def prove_constraints(setting: Setting, C: Compensator) -> Iterator[Claim]:
     for constraint in constraints(setting):
         if constraint.id == "bandwidth":
             yield band
+        elif constraint.on_band and band.margin is None:
+            yield claim_of(replace(constraint, band=band.interval), Outcome.UNDECIDED, None, None)
         elif not constraint.largest_band:
             yield prover.hardest(replace(constraint, band=band.interval) if constraint.on_band else constraint)
 

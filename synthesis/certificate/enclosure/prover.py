@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ....models.impedance import DynamicStiffness
+from ....models.rational import to_float
 from ...problem.constraints import constraints
 from ...problem.constraints.eq12 import least_at_end
 from ...problem.constraints.inequality import WHOLE, Band, Constraint, Inequality, Role, Variable
@@ -41,6 +42,9 @@ class CellProver:
         """Cells to begin with."""
         if band not in self._axes:
             low, high = frequency_scale(self.family.setting)
+            hold = self.family.setting.loop.actuator.hold
+            if hold is not None:  # beyond, only its size is known: it has to be small there
+                high = max(high, 2 / to_float(hold.period))
             self._axes[band] = axis(low / BEYOND, high * BEYOND, len(self.family.parameters), MIDDLE, band)
         return self._axes[band]
 
@@ -178,5 +182,5 @@ def _level(value: float, role: Role, *, up: bool) -> Fraction | None:
     if role is Role.FLOOR:
         return short(value, up=up)
     if role is Role.CEILING:
-        return short(-value, up=not up)
+        return short(-value, up=not up) if value <= 0 else None  # a modulus is never below 0
     return short(min(-1 / value, 1e6) if value < 0 else 1e6, up=up)

@@ -26,7 +26,7 @@ from .wave import Wave
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-ROUNDS = 24
+ROUNDS, MOST_CELLS = 24, 30_000
 Function = Callable[[JointOnCells], Wave]
 ENDS: dict[str, Function] = {"free": JointOnCells.free, "locked": JointOnCells.locked}
 
@@ -47,6 +47,8 @@ def turns(prover: CellProver, end: str) -> int | None:
             if not waiting.size:
                 break
             waiting = waiting.split_frequency()
+            if waiting.size > MOST_CELLS:  # such as where the behaviour at infinity depends on the hold
+                return None
         if waiting.size:
             return None
     sequence = [plane for _, plane in sorted(planes)]
