@@ -46,16 +46,17 @@ def _twin(prover: Prover, constraint: Constraint, best: float, proven: Fraction)
 def prove_largest_band(prover: Prover, constraint: Constraint) -> Claim:
     """Prove a constraint on the widest interval where it holds; refuted everywhere if there is none."""
     v = float(_easiest(constraint))
-    omega, fits = prover.evaluator.omega, prover.evaluator.inside(constraint)
+    evaluator, fits = prover.evaluator, prover.evaluator.inside(constraint)
     for inequality in constraint.inequalities:
-        fits &= np.nan_to_num(prover.evaluator.slack(inequality, v, prover.X), nan=-1.0) > 0
-    for a, b in _runs(fits, omega):
+        fits &= np.nan_to_num(evaluator.slack(inequality, v, prover.X), nan=-1.0) > 0
+    for run in _runs(fits, evaluator.omega):
+        a, b = (evaluator.edge(*pair, constraint.inequalities, v, prover.X) for pair in run)
         for tightness in TIGHTNESS:
             ends = (short(a * (1 + tightness), up=True), short(b * (1 - tightness), up=False))
             if ends[0] < ends[1]:
-                narrowed = replace(constraint, band=ends)
-                if prover.decide(narrowed, Fraction(1)) is Outcome.PROVEN:
-                    return claim_of(narrowed, Outcome.PROVEN, Fraction(1), None)
+                claim = prove_hardest(prover, replace(constraint, band=ends, level=Fraction(1)))
+                if claim.status is Outcome.PROVEN:
+                    return replace(claim, required=constraint.required)
     found = prover.witness(constraint, Fraction(1))
     status = Outcome.REFUTED if found else Outcome.UNDECIDED
     return claim_of(constraint, status, None, Refutation(Fraction(1), found) if found else None)
@@ -77,8 +78,13 @@ def _beside(v: float, side: int, constraint: Constraint, tightness: tuple[float,
     return [short(v + side * near * scale, up=side > 0) for near in tightness]
 
 
-def _runs(fits: np.ndarray, omega: np.ndarray) -> list[tuple[float, float]]:
-    """Maximal intervals of the grid on which `fits`, widest first."""
+def _runs(fits: np.ndarray, omega: np.ndarray) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    """Maximal intervals of the grid on which `fits`, widest first: each end, and the grid point beyond it if any."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], fits, [False]]).astype(int)))
-    runs = [(float(omega[a]), float(omega[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - 1 > a]
-    return sorted(runs, key=lambda run: run[0] - run[1])
+    runs = [(int(a), int(b - 1)) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - 1 > a]
+    runs.sort(key=lambda run: float(omega[run[0]] - omega[run[1]]))
+    last = omega.size - 1
+    return [
+        ((float(omega[a]), float(omega[max(a - 1, 0)])), (float(omega[b]), float(omega[min(b + 1, last)])))
+        for a, b in runs
+    ]

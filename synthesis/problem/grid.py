@@ -93,17 +93,28 @@ class Evaluator:
             return np.asarray(numerator / denominator)
 
     def first_failure(self, inequality: Inequality, v: float, X: dict[Variable, RationalFunction]) -> float | None:
-        """The lowest frequency [rad/s] from which an inequality fails, halved down to between two grid points."""
+        """The lowest frequency [rad/s] from which an inequality fails; None where it holds on the whole grid."""
         failing = np.flatnonzero(self.slack(inequality, v, X) < 0)
         if not failing.size:
             return None
         k = int(failing[0])
-        low, high = (0.0 if k == 0 else float(self.omega[k - 1])), float(self.omega[k])
+        return self.edge(0.0 if k == 0 else float(self.omega[k - 1]), float(self.omega[k]), (inequality,), v, X)
+
+    def edge(
+        self,
+        holds: float,
+        fails: float,
+        inequalities: tuple[Inequality, ...],
+        v: float,
+        X: dict[Variable, RationalFunction],
+    ) -> float:
+        """The last frequency [rad/s], from one where all inequalities hold towards one where one fails."""
         for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            fails = Evaluator(self.setting, np.array([middle])).slack(inequality, v, X)[0] < 0
-            low, high = (low, middle) if fails else (middle, high)
-        return low
+            middle = 0.5 * (holds + fails)
+            at = Evaluator(self.setting, np.array([middle]))
+            good = all(at.slack(inequality, v, X)[0] >= 0 for inequality in inequalities)
+            holds, fails = (middle, fails) if good else (holds, middle)
+        return holds
 
     def inside(self, constraint: Constraint) -> NDArray[np.bool_]:
         """Which grid points lie in a constraint's interval. Returns (n,)."""
