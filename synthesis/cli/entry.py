@@ -7,7 +7,9 @@ import os
 import sys
 import traceback
 import warnings
+from importlib.metadata import version
 from pathlib import Path
+from typing import Annotated
 
 import typer
 
@@ -15,7 +17,8 @@ from ..errors import ExitCode, RobimpError
 from ..interruption import Interruption, demand_none, remembered
 from .bound import bound
 from .check import check
-from .common import complain, discard, unwritable_output
+from .common import complain, discard, say, unwritable_output
+from .init import init
 from .schema import schema
 from .simulate import simulate
 from .synth import synth
@@ -30,8 +33,23 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (synth, check, simulate, bound, schema):
+for command in (synth, check, simulate, bound, init, schema):
     app.command()(command)
+
+
+def _tell_version(asked: bool) -> None:
+    if asked:
+        say(f"robimp {version('robimp')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _robimp(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Show the version and exit.")
+    ] = False,
+) -> None:
+    pass
 
 
 def main() -> None:
