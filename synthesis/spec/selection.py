@@ -1,0 +1,71 @@
+"""Which records of a measurement a joint is judged by: those of the stated amplitudes, without the excluded ones."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+
+from ..errors import InputError, Location
+from .exact import decimal_text
+from .fields import require
+from .model import Interval
+from .record import Record
+from .tree import shown
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Records kept, and by name why the others are not."""
+
+    kept: tuple[Record, ...]
+    left_out: dict[str, str]
+
+
+def select(
+    records: Sequence[Record], amplitude: Interval | None, exclude: Sequence[str], where: Location | None
+) -> Selection:
+    """The records of the stated amplitudes that are not excluded by name (`*` and `?` stand for any letters).
+
+    A record without amplitude is taken to lie in the stated range.
+
+    Raises:
+        InputError: at `where`, if two records have one name, if amplitudes differ and no range is stated, if a name
+        matches nothing, or if nothing is left.
+    """
+    place = where or Location("records")
+    names = [record.name for record in records]
+    twice = next((name for name in names if names.count(name) > 1), "")
+    require(not twice, f"two records are named {shown(twice)}; rename a file or a record", place)
+    for pattern in exclude:
+        found = any(_named(name, pattern) for name in names)
+        require(found, f"expected the name of a record to exclude; {shown(pattern)} matches none", place)
+    _demand_amplitude(records, amplitude, place)
+    left_out = {record.name: reason for record in records if (reason := _reason(record, amplitude, exclude))}
+    kept = tuple(record for record in records if record.name not in left_out)
+    message = "expected a record to judge the joint by; amplitude and exclude leave none of"
+    require(bool(kept), f"{message} {len(records)}", place)
+    return Selection(kept, left_out)
+
+
+def _demand_amplitude(records: Sequence[Record], amplitude: Interval | None, where: Location) -> None:
+    stated = sorted({record.amplitude for record in records if record.amplitude is not None})
+    if amplitude is None and len(stated) > 1:
+        low, high = decimal_text(stated[0]), decimal_text(stated[-1])
+        raise InputError(
+            f"expected a range of amplitudes, for the records were taken at {low} to {high}, and friction makes a "
+            f"joint's response depend on them; state the range the joint will see: {low} to {high} for all records",
+            where,
+        )
+
+
+def _reason(record: Record, amplitude: Interval | None, exclude: Sequence[str]) -> str:
+    if any(_named(record.name, pattern) for pattern in exclude):
+        return "excluded by name"
+    if amplitude and record.amplitude is not None and not amplitude[0] <= record.amplitude <= amplitude[1]:
+        return f"its amplitude is {decimal_text(record.amplitude)}"
+    return ""
+
+
+def _named(name: str, pattern: str) -> bool:
+    return pattern in (name, name.partition(":")[2]) or fnmatchcase(name, pattern)
