@@ -7,7 +7,6 @@ the larger of the two; outside of the band what `beyond` says. The table keeps t
 from __future__ import annotations
 
 import re
-from fractions import Fraction
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 
@@ -17,11 +16,11 @@ from .exact import decimal_text
 from .fields import described, entries, integer, non_negative, require
 from .model import DataFile, Interval, Measured, Plant, Table
 from .ranges import interval
-from .record import Bounds, Complex, Record, envelope, stepped, unusable
+from .record import Bounds, Record, dynamic_stiffness, envelope, stepped, unusable
 from .response_file import read_responses
 from .selection import select
 from .table import MAX_ROWS
-from .tree import Mapping, Node, Scalar, Sequence, joined, shown
+from .tree import Mapping, Node, Scalar, Sequence, joined
 from .units import PLAIN, RATIO
 
 _BEYOND = "write `beyond: hold` to say that the deviations at both ends hold outside of the measured band, or"
@@ -43,29 +42,16 @@ def measured(node: Node, plant: Plant, folder: Path | None) -> Table:
     selection = select(records, amplitude, _names(section.get("exclude")), where)
     for name, fault in unusable(selection.kept).items():
         raise InputError(f"the record {name!r} is {fault}; measure it again, or leave it out with `exclude:`", where)
-    bounds = stepped(envelope(selection.kept, stiffness(plant)))
+    bounds = stepped(envelope(selection.kept, dynamic_stiffness(plant.inertia, plant.damping, plant.stiffness)))
     message = f"expected at most {MAX_ROWS} frequencies in all records; found {len(bounds)}; measure at common ones"
     require(len(bounds) <= MAX_ROWS, message, where)
     origin = Measured(
         files=files,
         amplitude=amplitude,
         records=len(selection.kept),
-        excluded=tuple(selection.left_out),
+        excluded=selection.excluded,
     )
     return Table(points=beyond(section["beyond"], bounds), beyond="hold", measured=origin)
-
-
-def stiffness(plant: Plant) -> _Stiffness:
-    """`1/Ĝ(jω) = K − Iω² + jωB`, exactly."""
-    return _Stiffness(plant)
-
-
-class _Stiffness:
-    def __init__(self, plant: Plant) -> None:
-        self.plant = plant
-
-    def __call__(self, omega: Fraction) -> Complex:
-        return self.plant.stiffness - self.plant.inertia * omega**2, self.plant.damping * omega
 
 
 def beyond(node: Node, bounds: Bounds) -> Bounds:

@@ -9,6 +9,7 @@ from math import ceil, isqrt
 from statistics import median
 
 from .exact import decimal_text
+from .units import TWO_PI
 
 SILENT_COHERENCE = Fraction(1, 10)  # below: the output has nothing to do with the input
 SILENT_GAIN = Fraction(1, 20)  # of the median of all records at that frequency
@@ -42,6 +43,11 @@ class Record:
     amplitude: Fraction | None = None
 
 
+def dynamic_stiffness(inertia: Fraction, damping: Fraction, stiffness: Fraction) -> Model:
+    """`1/G(jω) = K − Iω² + jωB` of a load (1), exactly."""
+    return lambda omega: (stiffness - inertia * omega**2, damping * omega)
+
+
 def unusable(records: Sequence[Record]) -> dict[str, str]:
     """Names of dead and incoherent records, and why: a fault of the measurement is no property of the joint.
 
@@ -64,7 +70,7 @@ def _fault(record: Record, usual: dict[Fraction, Fraction]) -> str:
     lost = sum(value < SILENT_COHERENCE for value, _ in coherent)
     low = sum(_squared(s) < SILENT_GAIN**2 * usual.get(s.omega, 0) for s in record.samples)
     if lost >= DEAD * count:
-        lowest = f"the least {decimal_text(least)} at {decimal_text(where)} rad/s"
+        lowest = f"the least {decimal_text(least)} at {decimal_text(where)} rad/s ({decimal_text(where / TWO_PI)} Hz)"
         return f"dead: coherence below {float(SILENT_COHERENCE)} at {lost} of {count} points, {lowest}"
     if low >= DEAD * count:
         return f"dead: gain below {float(SILENT_GAIN)} of the other records' at {low} of {count} points"

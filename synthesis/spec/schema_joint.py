@@ -79,12 +79,23 @@ def _table() -> Schema:
 
 
 def _origin() -> Schema:
-    text, number = {"type": "string"}, {"type": ["integer", "string"]}
-    digest = section("", {"name": text, "sha256": {"type": "string", "pattern": "^[0-9a-f]{64}$"}})
-    files = {"type": "array", "items": digest, "minItems": 1}
-    names = {"type": "array", "items": text}
-    known = {"files": files, "records": number, "excluded": names}
-    return section("the responses these points came from", known, {"amplitude": pair("amplitudes")})
+    digest = section(
+        "a file",
+        {
+            "name": {"type": "string", "description": "in the specification's folder"},
+            "sha256": {"type": "string", "pattern": "^[0-9a-f]{64}$", "description": "of its bytes"},
+        },
+    )
+    names = {"type": "array", "items": {"type": "string"}, "description": "records left out"}
+    return section(
+        "the measured responses these points came from",
+        {
+            "files": {"type": "array", "items": digest, "minItems": 1, "description": "their files"},
+            "records": {"type": ["integer", "string"], "description": "how many were kept"},
+            "excluded": names,
+        },
+        {"amplitude": pair("range of the amplitudes that were kept")},
+    )
 
 
 def _measured() -> Schema:
@@ -101,7 +112,10 @@ def _measured() -> Schema:
             },
             "beyond": {"anyOf": [{"const": "hold"}, ends], "description": text},
         },
-        {"amplitude": amplitude, "exclude": {"anyOf": [name, {"type": "array", "items": name}]}},
+        {
+            "amplitude": amplitude,
+            "exclude": {"anyOf": [name, {"type": "array", "items": name}], "description": "records to leave out"},
+        },
     )
 
 

@@ -16,10 +16,11 @@ from .tree import shown
 
 @dataclass(frozen=True)
 class Selection:
-    """Records kept, and by name why the others are not."""
+    """Records kept; names of those excluded, and of those of other amplitudes."""
 
     kept: tuple[Record, ...]
-    left_out: dict[str, str]
+    excluded: tuple[str, ...]
+    other_amplitudes: tuple[str, ...]
 
 
 def select(
@@ -41,11 +42,12 @@ def select(
         found = any(_named(name, pattern) for name in names)
         require(found, f"expected the name of a record to exclude; {shown(pattern)} matches none", place)
     _demand_amplitude(records, amplitude, place)
-    left_out = {record.name: reason for record in records if (reason := _reason(record, amplitude, exclude))}
-    kept = tuple(record for record in records if record.name not in left_out)
+    excluded = tuple(name for name in names if any(_named(name, pattern) for pattern in exclude))
+    others = tuple(record.name for record in records if not _within(record, amplitude) and record.name not in excluded)
+    kept = tuple(record for record in records if record.name not in (*excluded, *others))
     message = "expected a record to judge the joint by; amplitude and exclude leave none of"
     require(bool(kept), f"{message} {len(records)}", place)
-    return Selection(kept, left_out)
+    return Selection(kept, excluded, others)
 
 
 def _demand_amplitude(records: Sequence[Record], amplitude: Interval | None, where: Location) -> None:
@@ -53,18 +55,14 @@ def _demand_amplitude(records: Sequence[Record], amplitude: Interval | None, whe
     if amplitude is None and len(stated) > 1:
         low, high = decimal_text(stated[0]), decimal_text(stated[-1])
         raise InputError(
-            f"expected a range of amplitudes, for the records were taken at {low} to {high}, and friction makes a "
-            f"joint's response depend on them; state the range the joint will see: {low} to {high} for all records",
+            f"the records were taken at amplitudes {low} to {high}, and friction makes a joint's response depend on "
+            f"them; state the range the joint will see; amplitude: [{low}, {high}], --amplitude {low}:{high} is all",
             where,
         )
 
 
-def _reason(record: Record, amplitude: Interval | None, exclude: Sequence[str]) -> str:
-    if any(_named(record.name, pattern) for pattern in exclude):
-        return "excluded by name"
-    if amplitude and record.amplitude is not None and not amplitude[0] <= record.amplitude <= amplitude[1]:
-        return f"its amplitude is {decimal_text(record.amplitude)}"
-    return ""
+def _within(record: Record, amplitude: Interval | None) -> bool:
+    return amplitude is None or record.amplitude is None or amplitude[0] <= record.amplitude <= amplitude[1]
 
 
 def _named(name: str, pattern: str) -> bool:
