@@ -26,6 +26,7 @@ from ..certificate.positivity import positive_univariate
 from ..spec.model import Polynomials
 from ..spec.record import Bounds
 
+MOST_STEPS = 100
 DIGITS = 5  # of a coefficient of W
 MOST_ORDER = 6
 HALVINGS = 24  # of the logarithm of γ
@@ -81,10 +82,17 @@ def cover(wanted: tuple[Step, ...], order: int) -> Polynomials:
     """A weight that covers the steps closely: of this order, of a lower one where that fails, of order 0 at worst."""
     largest = max(step.bound for step in wanted)
     for lower in range(order if largest else 0, 0, -1):
-        for weight in _candidates(_Program(wanted, lower)):
+        for weight in _candidates(_Program(_coarser(wanted), lower)):
             if covers(weight, wanted):
                 return weight
     return Polynomials(numerator=(largest or NOTHING,), denominator=(Fraction(1),))
+
+
+def _coarser(wanted: tuple[Step, ...]) -> tuple[Step, ...]:
+    """No more steps than a linear program is quick with: neighbours become one, with the larger bound."""
+    size = -(-len(wanted) // MOST_STEPS)
+    groups = (wanted[k : k + size] for k in range(0, len(wanted), size))
+    return tuple(Step(group[0].low, group[-1].high, max(step.bound for step in group)) for group in groups)
 
 
 def _candidates(program: _Program) -> Iterator[Polynomials]:
@@ -120,7 +128,7 @@ class _Program:
         for step in wanted:
             low = float(step.low) or ends[0] / 1e3
             high = ends[-1] * 1e3 if step.high is None else float(step.high)
-            covering += [(w, float(step.bound)) for w in np.geomspace(low, high, 9 if low / high > 0.1 else 25)]
+            covering += [(w, float(step.bound)) for w in np.geomspace(low, high, _count(high / low))]
             middles.append((sqrt(low * high), max(float(step.bound), FLOOR * largest)))
         covering.append((np.inf, float(wanted[-1].bound)))
         (self.basis, self.bound), (self.middle, self.target) = self._rows(covering), self._rows(middles)
@@ -177,6 +185,11 @@ class _Program:
         A = np.vstack([covered, positive, above])
         found = linprog(goal, A_ub=A, b_ub=right, A_eq=total, b_eq=[1.0], bounds=bounds, method="highs")
         return (found.x[:n], found.x[n : 2 * n]) if found.status == 0 else None
+
+
+def _count(ratio: float) -> int:
+    """How many frequencies a step is sampled at."""
+    return int(np.clip(10 * np.log10(ratio), 3, 25))
 
 
 def _stable_factor(bernstein: NDArray[np.float64], centre: float) -> NDArray[np.float64] | None:

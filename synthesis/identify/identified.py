@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..spec.model import Interval, Polynomials
 from ..spec.record import Bounds, Record, envelope, unusable
 from ..spec.selection import select
+from ..spec.table import MAX_ROWS
 from .cover import MOST_ORDER, cover, steps
 from .nominal import MOST_ORDER as MOST_POLES
 from .nominal import Load, Transfer, fit_load, fit_transfer
@@ -101,6 +102,8 @@ def identify(
         left_out |= faults
         kept = tuple(record for record in kept if record.name not in faults)
     _demand(bool(kept), f"no usable record is left: {next(iter(left_out.items()), '')}")
+    count = len({sample.omega for record in kept for sample in record.samples})
+    _demand(count <= MAX_ROWS, f"expected at most {MAX_ROWS} frequencies in all records; found {count}")
     model = fit_load(kept) if kind == "load" else fit_transfer(kept, poles, zeros)
     bounds = envelope(kept, model.inverse)
     ends = _ends(bounds, beyond)

@@ -48,7 +48,7 @@ def _name(node: Node, folder: Path | None) -> tuple[str, Path]:
     where = node.where
     if not isinstance(node, Scalar) or not node.text:
         raise InputError(f"expected the name of a CSV file; found {described(node)}", where)
-    message = "a specification without a file has no folder to look in; write `points:` instead of `file:`"
+    message = "a specification without a file has no folder to look in; write `table:` with `points:`"
     if folder is None:
         raise InputError(message, where)
     for path in (PurePosixPath(node.text), PureWindowsPath(node.text)):

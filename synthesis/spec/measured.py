@@ -23,6 +23,8 @@ from .table import MAX_ROWS
 from .tree import Mapping, Node, Scalar, Sequence, joined
 from .units import PLAIN, RATIO
 
+MAX_SAMPLES = 50_000  # of all records
+
 _BEYOND = "write `beyond: hold` to say that the deviations at both ends hold outside of the measured band, or"
 _BEYOND += " `beyond: [0.5, 2]` to give |Δ| below and above it"
 
@@ -42,9 +44,10 @@ def measured(node: Node, plant: Plant, folder: Path | None) -> Table:
     selection = select(records, amplitude, _names(section.get("exclude")), where)
     for name, fault in unusable(selection.kept).items():
         raise InputError(f"the record {name!r} is {fault}; measure it again, or leave it out with `exclude:`", where)
+    count = len({sample.omega for record in selection.kept for sample in record.samples})
+    message = f"expected at most {MAX_ROWS} frequencies in all records; found {count}; measure at common ones"
+    require(count <= MAX_ROWS, message, where)
     bounds = stepped(envelope(selection.kept, dynamic_stiffness(plant.inertia, plant.damping, plant.stiffness)))
-    message = f"expected at most {MAX_ROWS} frequencies in all records; found {len(bounds)}; measure at common ones"
-    require(len(bounds) <= MAX_ROWS, message, where)
     origin = Measured(
         files=files,
         amplitude=amplitude,
@@ -106,6 +109,8 @@ def _read(node: Node, folder: Path | None) -> tuple[tuple[Record, ...], tuple[Da
         data = read_bytes(path, item.where)
         records += read_responses(data, str(path), PurePosixPath(name).with_suffix("").as_posix())
         files.append(DataFile(name=name, sha256=sha256(data).hexdigest()))
+        count = sum(len(record.samples) for record in records)
+        require(count <= MAX_SAMPLES, f"expected at most {MAX_SAMPLES} measured points; found more", item.where)
     return tuple(records), tuple(files)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from pathlib import PurePosixPath
 
 from ..errors import InputError, Location
 from .exact import decimal_text
@@ -66,4 +67,6 @@ def _within(record: Record, amplitude: Interval | None) -> bool:
 
 
 def _named(name: str, pattern: str) -> bool:
-    return pattern in (name, name.partition(":")[2]) or fnmatchcase(name, pattern)
+    """Whether a record is meant: by its whole name, or without its folder, its file."""
+    file, _, label = name.partition(":")
+    return pattern in (name, label, PurePosixPath(file).name) or fnmatchcase(name, pattern)
