@@ -188,8 +188,8 @@ class _Program:
 
 
 def _count(ratio: float) -> int:
-    """How many frequencies a step is sampled at."""
-    return int(np.clip(10 * np.log10(ratio), 3, 25))
+    """How many frequencies a step is sampled at; odd, so that its middle is one of them."""
+    return int(np.clip(10 * np.log10(ratio), 3, 25)) | 1
 
 
 def _stable_factor(bernstein: NDArray[np.float64], centre: float) -> NDArray[np.float64] | None:

@@ -82,10 +82,7 @@ def _columns(cells: list[str], line: Location) -> Columns:
     found: dict[str, tuple[int, str, str]] = {}
     for position, cell in enumerate(cells):
         kind, unit = _heading(cell, line)
-        message = (
-            f"expected one column {kind}; found {shown(found[kind][1] if kind in found else '')} and {shown(cell)}"
-        )
-        require(kind not in found, f"{message}; keep one", line)
+        require(kind not in found, f"expected one column {kind}; found a second one, {shown(cell)}; keep one", line)
         found[kind] = (position, cell, unit)
     pairs = [pair for pair in (("real", "imaginary"), ("gain", "phase")) if any(kind in found for kind in pair)]
     wanted = "expected a column frequency and either real and imaginary, or gain and phase"
