@@ -46,6 +46,7 @@ def identify(
     """A nominal model and a weight that covers every measured response, from frequency responses."""
     from ..identify import identify as identified
     from ..identify import read_files
+    from ..report.progress import status_line
     from ..storage import demand_replaceable
 
     for option, value, words in (("--of", of, ("load", "actuator")), ("--motion", motion, ("rotary", "linear"))):
@@ -54,16 +55,18 @@ def identify(
     if output is not None:
         demand_replaceable(output)
     records = read_files(files)
-    found = identified(
-        records,
-        kind="load" if of == "load" else "actuator",
-        beyond=_beyond(beyond),
-        amplitude=None if amplitude is None else _range("--amplitude", amplitude),
-        exclude=exclude or (),
-        order=order,
-        poles=poles,
-        zeros=zeros,
-    )
+    with status_line() as progress:
+        progress("fitting a nominal model and the weight")
+        found = identified(
+            records,
+            kind="load" if of == "load" else "actuator",
+            beyond=_beyond(beyond),
+            amplitude=None if amplitude is None else _range("--amplitude", amplitude),
+            exclude=exclude or (),
+            order=order,
+            poles=poles,
+            zeros=zeros,
+        )
     for name, reason in found.left_out.items():
         complain(f"left out: {name}: {reason}")
     if output is not None:

@@ -26,7 +26,7 @@ from ..certificate.positivity import positive_univariate
 from ..spec.model import Polynomials
 from ..spec.record import Bounds
 
-MOST_STEPS = 100
+MOST_STEPS = 100  # of a linear program
 DIGITS = 5  # of a coefficient of W
 MOST_ORDER = 6
 HALVINGS = 24  # of the logarithm of γ

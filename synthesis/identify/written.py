@@ -68,10 +68,15 @@ def _head(found: Identified) -> list[str]:
     what = "θ/τ_int of the load" if found.kind == "load" else "H of the actuator, output locked"
     range_ = "" if found.amplitude is None else f", amplitudes {' to '.join(map(_text, found.amplitude))}"
     lines = [f"Identified from {len(found.kept)} measured responses, {what}: {low:.4g} to {high:.4g} Hz{range_}"]
-    lines += [f"  kept: {record.name}" for record in found.kept]
-    lines += [f"  left out: {name}: {reason}" for name, reason in found.left_out.items()]
+    lines += [f"  kept: {_printable(record.name)}" for record in found.kept]
+    lines += [f"  left out: {_printable(name)}: {reason}" for name, reason in found.left_out.items()]
     count = len(found.other_amplitudes)
     return [*lines, f"  left out: {count} of other amplitudes"] if count else lines
+
+
+def _printable(name: str) -> str:
+    """A name that cannot end the comment it stands in."""
+    return "".join(sign if sign.isprintable() else "?" for sign in name)
 
 
 def _plant(load: Load, motion: str) -> str:

@@ -64,6 +64,8 @@ def read_responses(data: bytes, file: str, name: str) -> tuple[Record, ...]:
         hint = "; write decimals with a point" if len(cells) > count else ""
         require(len(cells) == count, f"expected {count} columns as in the heading; found {len(cells)}{hint}", line)
         label = cells[columns["record"][0]] if "record" in columns else ""
+        named = len(label) <= 200 and label.isprintable()
+        require(named, f"expected the name of a record; found {shown(label)}; write it in one line", line)
         amplitude = _positive(columns, "amplitude", cells, line) if "amplitude" in columns else None
         samples = found.setdefault((label, amplitude), [])
         sample = _sample(columns, cells, line)

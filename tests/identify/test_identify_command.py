@@ -7,12 +7,14 @@ import runpy
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 from command_line import refused, robimp
 from identify_data import HERTZ, TRUTH, compliance, csv_text
 
 from robimp.synthesis import ExitCode, load, synthesize
 from robimp.synthesis.certificate.outcome import Outcome
+from robimp.synthesis.simulation import Load, assemble
 from robimp.synthesis.spec import canonical
 from robimp.synthesis.spec.load import build_spec
 from robimp.synthesis.spec.reader import read_tree
@@ -51,6 +53,15 @@ def test_the_written_specification_is_accepted_and_covers_the_truth(sweeps: list
                 for part in (weight.numerator, weight.denominator)
             )
             assert abs(compliance(truth, hertz) / compliance(plant, hertz) - 1) <= abs(N / D)
+
+
+def test_a_file_name_cannot_write_into_the_specification(sweeps: list[Path], tmp_path: Path) -> None:
+    odd = tmp_path / "s\nplant: {}.csv"
+    sweeps[1].rename(odd)
+    run = robimp("identify", odd, *sweeps[2:], "--beyond", "hold", "-o", tmp_path / "joint.yaml")
+    assert run.code == 0
+    text = (tmp_path / "joint.yaml").read_text(encoding="utf-8")
+    assert "#   kept: s?plant: {}\n" in text and text.count("\nplant:") == 1
 
 
 def test_json_says_the_same(sweeps: list[Path]) -> None:
@@ -161,10 +172,27 @@ class TestExample:
             kept, found = (float(getattr(load(path).plant, key)) for path in (EXAMPLE / "joint.yaml", out))
             assert found == pytest.approx(kept, rel=1e-3)
 
-    def test_the_identified_joint_is_synthesised_and_proven(self) -> None:
-        result = synthesize(load(EXAMPLE / "joint.yaml"))
+    def test_the_identified_joint_covers_the_truth_and_is_proven(self) -> None:
+        spec = load(EXAMPLE / "joint.yaml")
+        result = synthesize(spec)
         assert result.exit_code is ExitCode.PROVEN
         assert 95 < result.omega_B < 105
+        C = result.certificate["controller"]["C"]
+        compensator = tuple(tuple(Fraction(c) for c in C[part]) for part in ("numerator", "denominator"))
+        plant, weight = spec.plant, spec.uncertainty.weight
+        assert weight is not None
+        nominal = (float(plant.inertia), float(plant.damping), float(plant.stiffness))
+        hertz = np.geomspace(0.2, 28, 1001)
+        s = 2j * np.pi * hertz
+        N, D = (np.polyval([float(c) for c in part], s) for part in (weight.numerator, weight.denominator))
+        for amplitude, truth in runpy.run_path(str(EXAMPLE / "measure.py"))["LOADS"].values():
+            delta = np.array([compliance(truth, f) / compliance(nominal, f) - 1 for f in hertz])
+            covered = bool((abs(delta) <= abs(N / D)).all())
+            assert covered == (amplitude >= 1), (
+                "also between the measured frequencies; the small sweep is another joint"
+            )
+            joint = assemble(spec, (compensator[0], compensator[1]), Load(*(Fraction(str(value)) for value in truth)))
+            assert joint.poles.stable or not covered
 
     def test_the_same_controller_is_proven_against_the_responses_themselves(self) -> None:
         result = synthesize(load(EXAMPLE / "measured.yaml"))

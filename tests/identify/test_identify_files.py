@@ -130,6 +130,7 @@ FAULTS = [
     ("omega,real,imaginary,amplitude\n1,1,1,0\n", 2, "amplitude", "expected an amplitude > 0"),
     ("omega,real,imaginary,colour\n", 1, None, "found 'colour'"),
     (HEADING + '1,"1,0\n', 2, None, "not valid CSV"),
+    ('record,omega,real,imaginary\n"a\nplant: 1",1,1,0\n', 3, None, "expected the name of a record"),
     (HEADING + "1,9." + "9" * 200 + ",0\n", 2, "real", "at most 100 digits"),
 ]
 

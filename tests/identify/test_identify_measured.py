@@ -17,7 +17,16 @@ from identify_data import HERTZ, TRUTH, compliance, csv_text, polar_text, spec_t
 from robimp.synthesis import check, synthesize
 from robimp.synthesis.check import check_bytes
 from robimp.synthesis.errors import ExitCode, InputError
-from robimp.synthesis.spec import Spec, canonical, canonical_json, from_canonical, load_spec, parse_spec, spec_sha256
+from robimp.synthesis.spec import (
+    Spec,
+    canonical,
+    canonical_json,
+    from_canonical,
+    load_spec,
+    parse_spec,
+    spec_sha256,
+    spec_warnings,
+)
 from robimp.synthesis.spec.model import Table
 from robimp.synthesis.spec.units import TWO_PI
 
@@ -179,6 +188,15 @@ def test_what_a_table_says_of_its_origin_is_read_strictly(load: Load) -> None:
             from_canonical(broken)
 
 
+def test_data_that_end_below_the_resonance_are_warned_of(load: Load, tmp_path: Path) -> None:
+    assert spec_warnings(load(WHOLE)) == ()
+    for name in "ab":
+        (tmp_path / "frf" / f"{name}.csv").write_text(csv_text(hertz=(0.2, 0.5, 1)), encoding="utf-8")
+    (warning,) = spec_warnings(load(WHOLE))
+    assert warning.startswith("uncertainty.measured ends at 6.28319 rad/s, below the 1.23 Hz of impedance.stiffness")
+    assert "measure up to higher frequencies, or state a bound there with `beyond`" in warning
+
+
 def test_a_thousand_frequencies_are_enough(load: Load, tmp_path: Path) -> None:
     for k in range(2):
         hertz = [1 + 0.01 * (2 * n + k) for n in range(600)]
@@ -198,4 +216,4 @@ def test_the_proof_runs_on_the_table_and_tells_when_the_data_change(load: Load, 
     assert check(tmp_path / "c.json").exit_code == 0
     forged = json.loads(result.certificate_bytes())
     forged["spec"]["uncertainty"]["table"]["measured"]["colour"] = "red"
-    assert check_bytes(json.dumps(forged).encode()).exit_code != 0
+    assert "unknown field 'colour'" in check_bytes(json.dumps(forged).encode()).message
