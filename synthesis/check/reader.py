@@ -146,6 +146,7 @@ RATIONAL = {"numerator": _coefficients, "denominator": partial(_coefficients, no
 LOAD = {"inertia": NATURAL, "damping": NATURAL, "stiffness": NATURAL}
 LOOP = {"kp": NATURAL, "kd": NATURAL, "derivative_corner": POSITIVE, "feedforward": number}
 MOTOR = {"motor_inertia": POSITIVE, "motor_damping": NATURAL, "spring_stiffness": POSITIVE, "torque_loop": LOOP}
+MEASURED = {"files": [{"name": str, "sha256": str}], "records": int, "excluded": [str], "amplitude-": RANGE}
 SPEC = {
     "robimp": (1,),
     "name": str,
@@ -155,7 +156,7 @@ SPEC = {
     "uncertainty": {
         "box?": dict.fromkeys(LOAD, RANGE),
         "weight?": RATIONAL,
-        "table?": {"points": _points, "beyond": ("hold",)},
+        "table?": {"points": _points, "beyond": ("hold",), "measured-": MEASURED},
         "actuator?": {"motor_inertia-": RANGE, "motor_damping-": RANGE, "spring_stiffness-": RANGE},
     },
     "actuator": {

@@ -18,6 +18,8 @@ from ..interruption import Interruption, demand_none, remembered
 from .bound import bound
 from .check import check
 from .common import complain, discard, say, unwritable_output
+from .common import complain, discard, unwritable_output
+from .identify import identify
 from .init import init
 from .schema import schema
 from .simulate import simulate
@@ -33,7 +35,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (synth, check, simulate, bound, init, schema):
+for command in (synth, check, simulate, bound, identify, init, schema):
     app.command()(command)
 
 

@@ -35,29 +35,25 @@ def is_null(node: Node) -> bool:
     return isinstance(node, Scalar) and node.plain and node.text == "null"
 
 
-def entries(
-    node: Node, required: Iterable[str] = (), optional: Iterable[str] = (), later: Iterable[str] = ()
-) -> dict[str, Node]:
+def entries(node: Node, required: Iterable[str] = (), optional: Iterable[str] = ()) -> dict[str, Node]:
     """The keys of a section, without the optional ones that are null.
 
     Args:
         node: the section.
         required: keys that must be there.
         optional: keys that may be there.
-        later: keys of the format that this version cannot prove anything about: refused, never ignored.
     """
     if not isinstance(node, Mapping):
         advice = "write {} for one without keys"
         if required or optional:
             advice = f"give it {'the keys' if required else 'some of the keys'} {', '.join(required or optional)}"
         raise InputError(f"expected a section; found {described(node)}; {advice}", node.where)
-    known = (*required, *optional, *later)
+    known = (*required, *optional)
     found: dict[str, Node] = {}
     for key, (place, value) in node.entries.items():
         require(key in known, f"unknown key; {suggestion(key, known)}", place)
         if key in optional and is_null(value):
             continue
-        require(key not in later, "this version cannot prove anything about this key yet; remove it to go on", place)
         found[key] = value
     for key in required:
         where = node.where

@@ -53,11 +53,32 @@ class ActuatorBox(Section):
     spring_stiffness: Interval | None = None
 
 
+class DataFile(Section):
+    """A file of measured responses, and the SHA-256 of what it held."""
+
+    name: str
+    sha256: str
+
+
+class Measured(Section):
+    """Where a table came from: its files, the range of amplitudes, the number of records, the records left out."""
+
+    absent_when_none = frozenset({"amplitude"})
+
+    files: tuple[DataFile, ...]
+    records: int
+    excluded: tuple[str, ...]
+    amplitude: Interval | None = None
+
+
 class Table(Section):
     """`|Δ(jω)| ≤ W(ω)` by points (ω in rad/s, bound), linear in ω between them; outside, the end bounds hold."""
 
+    absent_when_none = frozenset({"measured"})
+
     points: tuple[tuple[Fraction, Fraction], ...]
     beyond: Literal["hold"]
+    measured: Measured | None = None
 
 
 class Uncertainty(Section):

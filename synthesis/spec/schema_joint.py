@@ -48,9 +48,10 @@ def uncertainty() -> Schema:
             "weight": polynomials("|Δ(jω)| ≤ |W(jω)|, on top of the box if there is one"),
             "actuator": {**sprung, "minProperties": 1},
             "table": _table(),
+            "measured": _measured(),
         },
     )
-    return {**whole, "anyOf": [{"required": [key]} for key in ("box", "weight", "table")]}
+    return {**whole, "anyOf": [{"required": [key]} for key in ("box", "weight", "table", "measured")]}
 
 
 def _around(key: str, kind: str) -> Schema:
@@ -72,9 +73,50 @@ def _table() -> Schema:
     file = {"type": "string", "minLength": 1, "description": text}
     given = [
         section("by a file", {"file": file, "beyond": beyond}),
-        section("here", {"points": points, "beyond": beyond}),
+        section("here", {"points": points, "beyond": beyond}, {"measured": _origin()}),
     ]
     return {"oneOf": given, "description": "|Δ(jω)| ≤ W(ω), linear in ω between points; on top of box and weight"}
+
+
+def _origin() -> Schema:
+    digest = section(
+        "a file",
+        {
+            "name": {"type": "string", "description": "in the specification's folder"},
+            "sha256": {"type": "string", "pattern": "^[0-9a-f]{64}$", "description": "of its bytes"},
+        },
+    )
+    names = {"type": "array", "items": {"type": "string"}, "description": "records left out"}
+    return section(
+        "the measured responses these points came from",
+        {
+            "files": {"type": "array", "items": digest, "minItems": 1, "description": "their files"},
+            "records": {"type": ["integer", "string"], "description": "how many were kept"},
+            "excluded": names,
+        },
+        {"amplitude": pair("range of the amplitudes that were kept")},
+    )
+
+
+def _measured() -> Schema:
+    name: Schema = {"type": "string", "minLength": 1}
+    amplitude = pair("amplitudes of the excitation, in the files' unit; records outside are left out")
+    ends: Schema = {"type": "array", "items": non_negative("", RATIO), "minItems": 2, "maxItems": 2}
+    text = "outside the measured band: the deviations at its ends, or [below, above]; has no default"
+    return section(
+        "measured responses of the load; become a table: the largest deviation from the nominal load at each frequency",
+        {
+            "files": {
+                "anyOf": [name, {"type": "array", "items": name, "minItems": 1}],
+                "description": "such as frf/*.csv",
+            },
+            "beyond": {"anyOf": [{"const": "hold"}, ends], "description": text},
+        },
+        {
+            "amplitude": amplitude,
+            "exclude": {"anyOf": [name, {"type": "array", "items": name}], "description": "records to leave out"},
+        },
+    )
 
 
 def actuator() -> Schema:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -11,8 +9,9 @@ from fractions import Fraction
 from pathlib import Path
 
 from ..errors import InputError, Location
+from .csv_rows import number, rows
 from .data_file import read_bytes
-from .exact import bounded, decimal_text, misread, parse_number
+from .exact import decimal_text, misread
 from .fields import require
 from .reader import decode
 from .tree import shown
@@ -38,10 +37,10 @@ class Point:
     bound: Fraction
 
 
-def ordered(rows: Iterable[Point], whole: Location) -> Points:
+def ordered(found: Iterable[Point], whole: Location) -> Points:
     """The points of a table: at least one, frequencies from 0 that increase, bounds ≥ 0."""
     points: list[tuple[Fraction, Fraction]] = []
-    for row in rows:
+    for row in found:
         message = f"expected at most {MAX_ROWS} points; found more; leave some out, and round the bound up around them"
         require(len(points) < MAX_ROWS, message, row.where)
         require(row.omega >= 0, f"expected a frequency ≥ 0; found {decimal_text(row.omega)} rad/s", row.where)
@@ -67,32 +66,14 @@ def read_table(path: Path, where: Location) -> Points:
 
 
 def _points(text: str, file: str) -> Iterator[Point]:
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     factors = (Fraction(1), Fraction(1))
-    first = True
-    try:
-        for row in reader:
-            cells = [cell.strip() for cell in row]
-            if not any(cells) and len(cells) < 2:
-                continue
-            line = Location(file, reader.line_num)
-            _two(cells, line)
-            if first and misread(cells[0]) is None and not re.match(r"[0-9.+-]", cells[0]):
-                factors = (_factor(cells[0], 0, FREQUENCY, line), _factor(cells[1], 1, RATIO, line))
-            else:
-                omega = _number(cells[0], factors[0], line, "frequency")
-                yield Point(line, omega, _number(cells[1], factors[1], line, "bound"))
-            first = False
-    except csv.Error as error:
-        raise InputError(f"not valid CSV: {error}; check the quotes", Location(file, reader.line_num)) from None
-
-
-def _two(cells: list[str], line: Location) -> None:
-    stray = next((sign for sign in (";", "\t") if any(sign in cell for cell in cells)), None)
-    message = f"expected a comma between the columns; found {stray!r}; write `10.5,0.1`: a comma, and decimal points"
-    require(stray is None, message, line)
-    message = f"expected two columns, frequency and bound; found {len(cells)}"
-    require(len(cells) == 2, message, line)
+    for index, (line, cells) in enumerate(rows(text, file)):
+        require(len(cells) == 2, f"expected two columns, frequency and bound; found {len(cells)}", line)
+        if not index and misread(cells[0]) is None and not re.match(r"[0-9.+-]", cells[0]):
+            factors = (_factor(cells[0], 0, FREQUENCY, line), _factor(cells[1], 1, RATIO, line))
+        else:
+            omega = number(cells[0], line, "frequency", factors[0])
+            yield Point(line, omega, number(cells[1], line, "bound", factors[1]))
 
 
 def _factor(heading: str, column: int, dimension: Dimension, line: Location) -> Fraction:
@@ -106,11 +87,3 @@ def _factor(heading: str, column: int, dimension: Dimension, line: Location) -> 
         return parse_quantity(f"1 {(match[1] or match[2] or '').strip()}", dimension)
     except ValueError as error:
         raise InputError(f"{expected}: {error}", line) from None
-
-
-def _number(cell: str, factor: Fraction, line: Location, column: str) -> Fraction:
-    try:
-        return bounded(parse_number(cell) * factor)
-    except ValueError as error:
-        message = f"expected a number; found {shown(cell) if cell else 'nothing'}: {error}; units go into the heading"
-        raise InputError(message, Location(line.file, line.line, key=column)) from None

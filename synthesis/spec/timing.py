@@ -76,10 +76,10 @@ def _table(spec: Spec) -> Iterator[str]:
     last = table.points[-1][0]
     what, fastest = max(resonances(spec), key=lambda pair: pair[1])
     if last**2 < TWO_PI**2 * fastest:
-        yield (
-            f"uncertainty.table ends at {decimal_text(last)} rad/s, below the {hertz(fastest)} of {what}: "
-            "if its frequencies are in Hz, say so (`frequency [Hz]`, or `10 Hz`)"
-        )
+        advice = "if its frequencies are in Hz, say so (`frequency [Hz]`, or `10 Hz`)"
+        advice = "measure up to higher frequencies, or state a bound there with `beyond`" if table.measured else advice
+        key = "measured" if table.measured else "table"
+        yield f"uncertainty.{key} ends at {decimal_text(last)} rad/s, below the {hertz(fastest)} of {what}: {advice}"
 
 
 def _noise(spec: Spec) -> Iterator[str]:

@@ -10,6 +10,7 @@ from ..errors import InputError, Location
 from .data_file import data_file
 from .exact import decimal_text
 from .fields import described, entries, polynomials, quantity, require, word
+from .measured import measured, origin
 from .model import Actuator, ActuatorBox, Box, Interval, Plant, SeriesElasticActuator, Table, Uncertainty
 from .ranges import around
 from .table import Point, ordered, read_table
@@ -24,23 +25,26 @@ _SPRUNG = ("inertia", "spring_stiffness", "motor_inertia")  # what must not vani
 def uncertainty(
     node: Node, units: Mechanics, plant: Plant, actuator: Actuator | None, folder: Path | None
 ) -> Uncertainty:
-    """A box, a weight, a table, any of them; and a box of actuators.
+    """A box, a weight, a table (or measured responses, which become one), any of them; and a box of actuators.
 
     Args:
         node: the section.
         units: of the boxes.
         plant: the nominal load.
         actuator: the nominal actuator; None: it could not be read, and its own error is reported.
-        folder: where the file of a table is; None: nowhere.
+        folder: where data files are; None: nowhere.
     """
-    section = entries(node, optional=("box", "weight", "table", "actuator"), later=("measured",))
-    message = "expected `box:`, `weight:` or both, or a `table:`; a load known exactly has a box of [v, v]"
+    section = entries(node, optional=("box", "weight", "table", "measured", "actuator"))
+    message = "expected `box:`, `weight:`, `table:` or `measured:`; a load known exactly has a box of [v, v]"
     require(bool(section.keys() - {"actuator"}), message, node.where)
+    both = "expected a table or measured responses, which become one; found both; keep the larger bounds in one table"
+    require(not section.keys() >= {"table", "measured"}, both, node.where)
+    table = _table(section["table"], folder) if "table" in section else None
     return Uncertainty(
         box=_box(section["box"], units, plant) if "box" in section else None,
         weight=polynomials(section["weight"]) if "weight" in section else None,
         actuator=_actuator(section["actuator"], units, actuator) if "actuator" in section and actuator else None,
-        table=_table(section["table"], folder) if "table" in section else None,
+        table=measured(section["measured"], plant, folder) if "measured" in section else table,
     )
 
 
@@ -73,7 +77,7 @@ def _intervals(
 
 
 def _table(node: Node, folder: Path | None) -> Table:
-    section = entries(node, optional=("file", "points", "beyond"))
+    section = entries(node, optional=("file", "points", "beyond", "measured"))
     where = node.where
     given = " and ".join(key for key in ("file", "points") if key in section) or "none"
     require(given in ("file", "points"), f"expected exactly one of file, points; found {given}", where)
@@ -83,12 +87,14 @@ def _table(node: Node, folder: Path | None) -> Table:
     beyond = cast(Literal["hold"], word(section["beyond"], "hold"))
     if "file" in section:
         file = section["file"]
+        require("measured" not in section, "only points carry the files they came from; remove it", where)
         return Table(points=read_table(data_file(file, folder), file.where), beyond=beyond)
     points = section["points"]
     if not isinstance(points, Sequence):
         message = f"expected a list of points, [[10, 0.1], [100, 0.5]]; found {described(points)}"
         raise InputError(message, points.where)
-    return Table(points=ordered(_points(points), points.where), beyond=beyond)
+    source = origin(section["measured"]) if "measured" in section else None
+    return Table(points=ordered(_points(points), points.where), beyond=beyond, measured=source)
 
 
 def _points(node: Sequence) -> Iterator[Point]:

@@ -211,7 +211,7 @@ def test_one_meaning_has_one_digest_here_too(edit: Edit) -> None:
         ("uncertainty.table.points", [["1", "1/2"], ["2", "2/4"]], "canonical form"),
         ("uncertainty.table", {"points": [["1", "1"]]}, "beyond: expected this key"),
         ("uncertainty.table", {"file": "bound.csv", "beyond": "hold"}, "no folder to look in"),
-        ("uncertainty.measured", {"files": []}, "cannot prove anything about this key yet"),
+        ("uncertainty.measured", {"files": []}, "expected a table or measured responses"),
     ],
 )
 def test_a_new_key_not_in_canonical_form_is_refused(path: str, value: object, reason: str, edit: Edit) -> None:

@@ -101,7 +101,7 @@ TABLE: list[Case] = [
         (table("{beyond: hold}"), "", "expected exactly one of file, points; found none"),
         (table("{file: a.csv, points: [[1, 2]], beyond: hold}"), "", "found file and points"),
         (table("bound.csv"), "", "expected a section; found 'bound.csv'"),
-        (table("{file: bound.csv, beyond: hold}"), ".file", "write `points:` instead of `file:`"),
+        (table("{file: bound.csv, beyond: hold}"), ".file", "write `table:` with `points:`"),
         (table("{points: [[1, 2]], beyond: hold, interpolation: log}"), ".interpolation", "unknown key"),
         (points("[]"), ".points", "expected at least one point"),
         (points("5"), ".points", "expected a list of points, [[10, 0.1], [100, 0.5]]; found '5'"),
