@@ -18,7 +18,6 @@ from ..interruption import Interruption, demand_none, remembered
 from .bound import bound
 from .check import check
 from .common import complain, discard, say, unwritable_output
-from .common import complain, discard, unwritable_output
 from .identify import identify
 from .init import init
 from .schema import schema
