@@ -36,7 +36,7 @@ types: wheel
 bench: .venv/installed
 	$(BIN)/python benchmarks/bench.py
 
-# What people would use instead, on the same problems: about half an hour. Rivals whose package is missing are skipped.
+# What people would use instead, on the same problems: about forty minutes. Rivals whose package is missing are skipped.
 rivals: .venv/installed
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[bench]'
 	$(BIN)/python benchmarks/rivals
