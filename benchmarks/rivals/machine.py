@@ -11,10 +11,11 @@ PACKAGES = ("robimp", "numpy", "scipy", "cvxpy", "clarabel", "casadi", "python-f
 
 
 def machine() -> dict[str, object]:
-    """Processor, cores, Python and the packages that matter."""
+    """Processor, cores and how busy they are, Python and the packages that matter."""
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),
+        "load": round(os.getloadavg()[0], 1) if hasattr(os, "getloadavg") else None,
         "system": platform.system(),
         "python": platform.python_version(),
         "packages": {name: _version(name) for name in PACKAGES},

@@ -18,7 +18,7 @@ from task import Task
 def row(solver: str, spec_file: Path, order: int, limit: float) -> dict[str, Any]:
     """Run, judge, and describe; a missing package is a skipped row, a failure is a row that says so."""
     task = Task.of(spec_file, order, limit)
-    began = time.monotonic()
+    began, busy = time.monotonic(), time.process_time()
     try:
         answer = solvers.solve(solver, task)
     except ImportError as error:
@@ -27,7 +27,8 @@ def row(solver: str, spec_file: Path, order: int, limit: float) -> dict[str, Any
         place = traceback.extract_tb(error.__traceback__)[-1]
         why = f"{type(error).__name__} in {Path(place.filename).name}: {str(error)[:120]}"
         return {"outcome": "failed", "why": why, "seconds": time.monotonic() - began}
-    found: dict[str, Any] = {"seconds": time.monotonic() - began, "note": answer.note}
+    elapsed = {"seconds": time.monotonic() - began, "cpu_seconds": time.process_time() - busy}
+    found: dict[str, Any] = {**elapsed, "note": answer.note}
     if answer.candidate is None:
         return {**found, "outcome": "none found"}
     judged = asdict(judge(task, answer.candidate))
