@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: demo test evidence lint types wheel bench picture clean
+.PHONY: demo test evidence lint types wheel bench rivals picture clean
 
 demo: .venv/installed
 	$(BIN)/robimp synth examples/haninger2016.yaml
@@ -35,6 +35,11 @@ types: wheel
 
 bench: .venv/installed
 	$(BIN)/python benchmarks/bench.py
+
+# What people would use instead, on the same problems: about forty minutes. Rivals whose package is missing are skipped.
+rivals: .venv/installed
+	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[bench]'
+	$(BIN)/python benchmarks/rivals
 
 picture: .venv/installed
 	$(BIN)/python examples/picture.py

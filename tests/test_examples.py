@@ -21,9 +21,19 @@ from robimp.synthesis import ExitCode, Result, load, synthesize
 from robimp.synthesis.check import canonical_json, check_bytes
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.solve.structure import QFilter
+from robimp.synthesis.spec import spec_warnings
+from robimp.synthesis.spec.model import SeriesElasticActuator
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 SEARCHED = ("haninger2016", "haninger2016-eq23")
+ACTUATORS = {  # published ones: rounded-down ω_B [rad/s] of order 2, and the motor on its spring, output locked [Hz]
+    "hyq-leg": (57, 18.9),
+    "ozyegin-sea": (41, 6.7),
+    "tree-avocado": (33, 60.0),
+    "tree-lemon": (40, 45.0),
+    "tree-orange": (27, 22.4),
+    "ut-sea": (30, 5.0),
+}
 
 
 @pytest.fixture(scope="session")
@@ -143,9 +153,43 @@ def test_every_example_is_named_as_its_file_and_has_an_outcome(result: Results) 
         "haninger2016-paper": ExitCode.PROVEN,
         "haninger2016-sampled": ExitCode.PROVEN,
         "haninger2016-stiff": ExitCode.REFUTED,
+        "hyq-leg": ExitCode.PROVEN,
+        "ozyegin-sea": ExitCode.PROVEN,
+        "tree-avocado": ExitCode.PROVEN,
+        "tree-lemon": ExitCode.PROVEN,
+        "tree-orange": ExitCode.PROVEN,
         "unstable-optimum": ExitCode.REFUTED,
+        "ut-sea": ExitCode.PROVEN,
     }
     assert set(outcomes) == {path.stem for path in EXAMPLES.glob("*.yaml")}
     for name, outcome in outcomes.items():
         assert result(name).spec.name == name
         assert result(name).exit_code is outcome
+
+
+@pytest.mark.parametrize("name", ACTUATORS)
+def test_a_published_actuator_is_certified_for_every_load(result: Results, name: str) -> None:
+    omega_B, _ = ACTUATORS[name]
+    found = result(name)
+    assert found.exit_code is ExitCode.PROVEN and found.robust and not found.agreement.contradictions
+    assert found.omega_B >= omega_B
+    assert check_bytes(found.certificate_bytes()).exit_code == ExitCode.PROVEN
+
+
+@pytest.mark.parametrize("name", ACTUATORS)
+def test_a_published_actuator_has_plausible_units_and_says_which_numbers_are_published(name: str) -> None:
+    path = EXAMPLES / f"{name}.yaml"
+    spec, hertz = load(path), ACTUATORS[name][1]
+    assert spec_warnings(spec) == ()
+    assert isinstance(spec.actuator, SeriesElasticActuator)
+    resonance = np.sqrt(float(spec.actuator.spring_stiffness / spec.actuator.motor_inertia)) / (2 * np.pi)
+    assert resonance == pytest.approx(hertz, abs=0.06)
+    text = path.read_text(encoding="utf-8")
+    for key in ("inertia", "damping", "motor_inertia", "motor_damping", "spring_stiffness", "torque_loop"):
+        line = next(line for line in text.splitlines() if line.startswith(f"  {key}:"))
+        assert "[published]" in line or "[illustrative]" in line
+    loop = spec.actuator.torque_loop  # locked: J s² + (b + K kd)s + K(1+kp), but for the derivative's corner
+    natural = np.sqrt(float(spec.actuator.spring_stiffness * (1 + loop.kp) / spec.actuator.motor_inertia))
+    damping = float(spec.actuator.motor_damping + spec.actuator.spring_stiffness * loop.kd)
+    assert 0.6 < damping / (2 * float(spec.actuator.motor_inertia) * natural) < 0.8
+    assert f"= {natural:.0f} rad/s" in text

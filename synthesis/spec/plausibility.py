@@ -8,8 +8,10 @@ from fractions import Fraction
 from .exact import decimal_text
 from .model import SeriesElasticActuator, Spec
 from .timing import hertz, resonances, timing_warnings
+from .units import TWO_PI
 
-_SLOWEST, _FASTEST = Fraction("0.05"), Fraction(500)  # Hz; joints of robots resonate in between
+_SLOWEST, _FASTEST = Fraction("0.05"), 500  # Hz; joints of robots resonate in between
+_SPRUNG = 150  # Hz; springs of series-elastic actuators: the stiffest of examples/ gives 60 Hz on its motor
 
 
 def spec_warnings(spec: Spec) -> tuple[str, ...]:
@@ -18,13 +20,17 @@ def spec_warnings(spec: Spec) -> tuple[str, ...]:
 
 
 def _resonances(spec: Spec) -> Iterator[str]:
-    """`√(K/I)/2π` of the load against its spring and against its impedance: far off, a unit is likely wrong."""
-    said = set()
-    for what, squared in resonances(spec):
-        if squared and what not in said and not _SLOWEST**2 <= squared <= _FASTEST**2:
-            said.add(what)
+    """`√(K/I)/2π` of springs and impedances on their inertias: far off, a unit is likely wrong. A line each."""
+    pairs, said = list(resonances(spec)), set()
+    if isinstance(spec.actuator, SeriesElasticActuator):
+        squared = spec.actuator.spring_stiffness / spec.actuator.motor_inertia / TWO_PI**2
+        pairs.append(("actuator.spring_stiffness on actuator.motor_inertia", squared))
+    for what, squared in pairs:
+        stiffness, highest = what.split(" on ")[0], _SPRUNG if what.startswith("actuator") else _FASTEST
+        if squared and stiffness not in said and not _SLOWEST**2 <= squared <= highest**2:
+            said.add(stiffness)
             yield (
-                f"{what} resonates at {hertz(squared)}, outside 0.05 to 500 Hz: "
+                f"{what} resonates at {hertz(squared)}, outside 0.05 to {highest} Hz: "
                 f"check the units of both, and `motion: {spec.motion}`"
             )
 

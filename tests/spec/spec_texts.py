@@ -42,6 +42,16 @@ def actuator(text: str) -> Pair:
     return _ACTUATOR, text
 
 
+def spring(text: str) -> Pair:
+    """In line 6."""
+    return "spring_stiffness: 4.8", f"spring_stiffness: {text}"
+
+
+def motor(text: str) -> Pair:
+    """In line 6."""
+    return "motor_inertia: 0.01", f"motor_inertia: {text}"
+
+
 def demand(text: str) -> Pair:
     """In line 11."""
     return "peak: 2.0", f"peak: 2.0, {text}"

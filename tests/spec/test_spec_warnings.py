@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from spec_texts import EVERY_NEW_KEY, actuator, demand, sampling, stiffness, table
+from spec_texts import EVERY_NEW_KEY, actuator, demand, motor, sampling, spring, stiffness, table
 
 from robimp.synthesis.spec import parse_spec, spec_warnings
 
@@ -18,6 +18,9 @@ Pairs = list[tuple[str, str]]
     [
         ([("spring_stiffness: 4.8", "spring_stiffness: 480000")], ["637 Hz", "spring_stiffness"]),
         ([("spring_stiffness: 4.8", "spring_stiffness: 1e300")], ["9.19e+149 Hz"]),
+        # the UT-SEA's linear spring on its rotary motor inertia, as a widely copied course file has it
+        ([spring("3.5e5"), motor("0.225"), ("{inertia: 0.03", "{inertia: 1")], ["motor_inertia", "199 Hz", "rotary"]),
+        ([spring("3.5e5"), motor("360"), ("{inertia: 0.03", "{inertia: 0.225")], ["plant.inertia", "199 Hz", "rotary"]),
         ([("stiffness: 1.25", "stiffness: 0.001")], ["impedance.stiffness", "0.0291 Hz"]),
         ([("stiffness: 1.25", "stiffness: 10")], ["impedance.stiffness 10 exceeds actuator.spring_stiffness 4.8"]),
         ([("order: 4", "order: 4, filters: {force: 100, position: none}")], ["equal filters render better"]),
@@ -68,6 +71,8 @@ def test_a_warning(pairs: Pairs, warned: list[str], edit: Edit) -> None:
         [("form: structured", "form: disc, band: [0, 50]")],
         [("form: structured", "form: disc"), ("inertia: ±20 %", "inertia: [0.03, 0.03]")],
         list(EVERY_NEW_KEY),
+        [spring("218.75"), motor("0.225")],  # the same actuator, both rotary
+        [spring("21000"), motor("0.148"), ("{inertia: 0.03", "{inertia: 0.5")],
         [stiffness("[0, 4.8]")],
         [sampling("{rate: 117, delay: 0}")],
         [sampling("{rate: 1 kHz, delay: 100 ms}")],
