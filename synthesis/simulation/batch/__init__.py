@@ -1,1 +1,1 @@
-"""Many joints at once, in compiled code: dry friction, saturation, walls, sampled controllers in their own arithmetic."""
+"""Many joints at once, in compiled code: dry friction, saturation, walls, sampled controllers."""

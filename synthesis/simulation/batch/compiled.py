@@ -13,4 +13,3 @@ F = TypeVar("F", bound=Callable[..., object])
 def compiled(function: F) -> F:
     """The function in machine code, IEEE arithmetic in the order written, and free of the interpreter's lock."""
     return cast(F, numba.njit(cache=True, nogil=True, error_model="numpy")(function))
-

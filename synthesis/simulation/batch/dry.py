@@ -1,13 +1,14 @@
 """One tick of a joint with dry friction: exact linear steps between events, an implicit step at each.
 
-Friction is the set `f ∈ −F_c Sgn(v)`: between −F_c and F_c at rest, opposing the motion otherwise. While neither contact
-changes between sticking and slipping, the torque does not saturate and the wall is not met, the joint is linear and its
-step exact. A step at whose end one of these no longer holds is halved until only the finest is left, and that one is
+Friction is the set `f ∈ −F_c Sgn(v)`: between −F_c and F_c at rest, opposing the motion otherwise. While neither
+contact changes between sticking and slipping, the torque does not saturate and the wall is not met, the joint is linear
+and its step exact. A
+step at whose end one of these no longer holds is halved until only the finest is left, and that one is
 implicit: the friction of both contacts is what makes the velocities at its *end* obey the law. A contact that
 sticks has the velocity zero, not a small one.
 
 State x: load velocity, load angle, then (if there is a motor) motor velocity, angle, then the rest. Inputs w of a
-step: see `INPUTS`. Switches, each −1, 0 or 1: what load and motor slip to (0: stick), the saturation, the wall (0: clear).
+step: see `INPUTS`. Switches, each −1, 0 or 1: where load and motor slip to (0: stick), saturation, wall (0: clear).
 """
 
 from __future__ import annotations
@@ -32,7 +33,10 @@ SWEEPS = 50  # of the two contacts; they meet only through the spring, so two or
 
 
 class Limits(NamedTuple):
-    """Coulomb friction of load and motor [N·m], torque limit [N·m] (inf: none), wall: stiffness, damping, place [rad]."""
+    """Coulomb friction of load and motor [N·m], torque limit [N·m] (inf: none), wall: stiffness, damping, place [rad].
+
+    `stiction`: what a contact at rest holds, over its Coulomb friction; at least 1.
+    """
 
     load_friction: float
     motor_friction: float
@@ -40,6 +44,7 @@ class Limits(NamedTuple):
     wall_stiffness: float
     wall_damping: float
     wall_place: float
+    stiction: float
 
 
 @compiled
@@ -124,7 +129,7 @@ def read(row: Array, x: Array, w: Array) -> float:
 def _touches(x: Array, limits: Limits) -> bool:
     """Behind the place of the wall, and pressed: it does not pull."""
     depth = x[1] - limits.wall_place
-    return depth > 0 and limits.wall_stiffness * depth + limits.wall_damping * x[0] > 0
+    return bool(depth > 0 and limits.wall_stiffness * depth + limits.wall_damping * x[0] > 0)
 
 
 @compiled
@@ -134,7 +139,7 @@ def _saturation(demand: float, limits: Limits) -> int:
 
 @compiled
 def _sticks(y: Array, w: Array, rows: Array, contact: int, limits: Limits) -> bool:
-    return abs(read(rows[contact], y, w)) <= limits[contact]
+    return bool(abs(read(rows[contact], y, w)) <= limits[contact] * limits.stiction)
 
 
 @compiled
@@ -153,9 +158,7 @@ def _holds(y: Array, w: Array, rows: Array, switches: Switches, limits: Limits) 
 
 
 @compiled
-def _implicit(
-    x: Array, w: Array, steps: Array, rows: Array, switches: Switches, limits: Limits, y: Array
-) -> None:
+def _implicit(x: Array, w: Array, steps: Array, rows: Array, switches: Switches, limits: Limits, y: Array) -> None:
     """The finest step: frictions such that the velocities at its end obey them (a linear complementarity problem)."""
     finest = steps.shape[1] - 1
     if limits.torque < np.inf:

@@ -1,8 +1,8 @@
 """Exact steps of a linear system, and of every half, quarter, … of them, from one exponential.
 
 `D_ℓ = e^{F h/2^ℓ} − 1` of the flow F = [A B; 0 0]. The finest is a short Taylor series; each coarser one is
-`D_{ℓ−1} = 2 D_ℓ + D_ℓ²`. Without the 1 nothing cancels: the motion of one step keeps sixteen digits however short it is,
-and a conservative system its energy over millions of steps.
+`D_{ℓ−1} = 2 D_ℓ + D_ℓ²`. Without the 1 nothing cancels: the motion of one step keeps sixteen digits however short it
+is, and a conservative system its energy over millions of steps.
 """
 
 from __future__ import annotations
@@ -14,12 +14,20 @@ from .compiled import compiled
 
 Array = NDArray[np.float64]
 
+SMALL = 0.5  # norm of a flow over a step whose series is short
+
 
 @compiled
 def ladder(flow: Array, h: float, steps: Array) -> None:
     """Fill `steps` (levels, n + m, n) with the transposed D_ℓ of `flow` (n, n + m), ℓ = 0 the whole step h [s]."""
     levels, width, n = steps.shape
-    D = _first(flow, h / 2 ** (levels - 1))
+    finest = h / 2 ** (levels - 1)
+    size, beyond = np.abs(flow).max() * n * finest, 0
+    while size > SMALL:
+        size, beyond = size / 2, beyond + 1
+    D = _series(flow, finest / 2**beyond)
+    for _ in range(beyond):
+        D = 2 * D + _times(D, D)
     for level in range(levels - 1, -1, -1):
         for i in range(n):
             for j in range(width):
@@ -28,9 +36,8 @@ def ladder(flow: Array, h: float, steps: Array) -> None:
 
 
 @compiled
-def _first(flow: Array, h: float) -> Array:
+def _series(flow: Array, h: float) -> Array:
     """`e^{F h} − 1` by its series; h short enough that few terms count."""
-    n, width = flow.shape
     term = flow * h
     total = term.copy()
     for k in range(2, 60):

@@ -48,5 +48,5 @@ def sampled_law(
     delay = delay if delay is not None else ceil(sampling.delay * sampling.rate) if sampling else 0
     law = connect(controller_equations(spec, compensator), ["tau_int", "theta", "velocity", "acceleration"], ["tau_d"])
     loop = connect([differences(1 / rate), tustin(law, 1 / rate)], ["tau_int", "theta"], ["tau_d"])
-    parts = (np.ascontiguousarray(part, dtype=arithmetic) for part in (loop.A, loop.B, loop.C, loop.D))
-    return SampledLaw(*parts, 1 / rate, delay)
+    A, B, C, D = (np.ascontiguousarray(part, dtype=arithmetic) for part in (loop.A, loop.B, loop.C, loop.D))
+    return SampledLaw(A, B, C, D, 1 / rate, delay)

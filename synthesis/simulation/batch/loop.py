@@ -1,4 +1,4 @@
-"""The loop over joints and ticks, compiled: each thread takes every so-manieth joint and keeps no traces but those asked for."""
+"""The loop over joints and ticks, compiled: each thread takes every so-manieth joint, traces are kept on request."""
 
 from __future__ import annotations
 
@@ -12,7 +12,19 @@ from .dry import FRICTION, TAU_INT, Array, Limits, mode, read, tick
 from .ladder import ladder
 
 MODES = 16
-FIGURES = ("energy", "lowest_energy", "largest_energy", "early", "late", "low", "high", "reversals", "stuck", "events", "ticks")
+FIGURES = (
+    "energy",
+    "lowest_energy",
+    "largest_energy",
+    "early",
+    "late",
+    "low",
+    "high",
+    "reversals",
+    "stuck",
+    "events",
+    "ticks",
+)
 ENERGY, LOWEST, LARGEST, EARLY, LATE, LOW, HIGH, REVERSALS, STUCK, EVENTS, TICKS = range(len(FIGURES))
 TRACED = ("theta", "velocity", "tau_int", "tau_d", "load_friction", "motor_angle")
 RUNAWAY = 1e9  # rad: beyond, a joint is no longer moved
@@ -152,4 +164,4 @@ def _demanded(
         xi_next[i] = value
     xi[:] = xi_next
     line[k % len(line)] = out
-    return line[(k + 1) % len(line)]
+    return float(line[(k + 1) % len(line)])

@@ -104,7 +104,8 @@ def simulate_batch(
         work = [pool.submit(run, i, threads, *given, figures, phasors, traces) for i in range(threads)]
         for part in work:
             part.result()
-    return Runs(*figures.T, phasors=phasors * 2 / max(ticks - since, 1), traces=traces)
+    kept: dict[str, Array] = dict(zip(FIGURES, figures.T, strict=True))
+    return Runs(**kept, phasors=phasors * 2 / max(ticks - since, 1), traces=traces)
 
 
 def _digital(law: SampledLaw | None, joints: Switched, count: int, seed: int) -> Digital:

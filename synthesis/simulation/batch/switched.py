@@ -1,7 +1,8 @@
 """The joint as a family of linear systems, one for each state of its contacts: physics in, flows and rows out.
 
-What switches is left open in one interconnection of all laws, as inputs: the accelerations of load and motor, the torque
-applied by the drive, the wall's. Each mode closes them by its own laws, linear equations solved for all loads at once.
+What switches is left open in one interconnection of all laws, as inputs: the accelerations of load and motor, the
+torque applied by the drive, the wall's. Each mode closes them by its own laws, linear equations solved for
+all loads at once.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...spec.model import IdealActuator, SeriesElasticActuator, Spec
-from ..block import Block, combination, connect, integrator
+from ...spec.model import SeriesElasticActuator, Spec
+from ..block import Block, Matrix, combination, connect, integrator
 from ..equations import Compensator, Load, actuator_equations, controller_equations
 from .dry import INPUTS, Limits
 
@@ -26,13 +27,17 @@ MODES = 16
 
 @dataclass(frozen=True)
 class Imperfections:
-    """What the certificate leaves out: Coulomb friction and torque limit [N·m], encoder step [rad], rms torque noise [N·m]."""
+    """What the certificate leaves out: Coulomb friction, torque limit, rms torque noise [N·m], encoder step [rad].
+
+    `stiction`: what friction holds at rest, over what it opposes motion with; 1: Coulomb's law.
+    """
 
     load_friction: float = 0.0
     motor_friction: float = 0.0
     torque_limit: float = np.inf
     encoder: float = 0.0
     torque_noise: float = 0.0
+    stiction: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,7 @@ class Switched:
     limits: Limits
     states: int
     faults: Imperfections
+    environment: slice  # its states
 
 
 def switched(
@@ -69,11 +75,11 @@ def switched(
     """The joint of `spec` with each load, in every mode.
 
     Args: `compensator`: C of a continuous controller; None: the torque demand is the input `held`. `environment`: laws
-    that make `contact_torque` of theta, velocity, acceleration; none: a free port. `driven`: θ'' is prescribed
-    (`motion`) and the port's torque answers.
+    that make `contact_torque` (felt by the sensor) or `unfelt_torque` of theta, velocity, acceleration; none: a free
+    port. `driven`: θ'' is prescribed (`motion`) and the port's torque answers.
     """
     faults = imperfections or Imperfections()
-    base = _base(spec, compensator, environment)
+    base, before = _base(spec, compensator, environment)
     table = _table(loads)
     actuator = spec.actuator
     motor = None
@@ -85,33 +91,33 @@ def switched(
     limits = Limits(
         faults.load_friction, faults.motor_friction if motor else 0.0, faults.torque_limit,
         *((wall.stiffness, wall.damping, wall.place) if wall else (0.0, 0.0, np.inf)),
+        faults.stiction,
     )  # fmt: skip
-    return Switched(modes, flows, rows, limits, len(base.A), faults)
+    its_states = slice(before, before + sum(len(law.A) for law in environment))
+    return Switched(modes, flows, rows, limits, len(base.A), faults, its_states)
 
 
-def _base(spec: Spec, compensator: Compensator | None, environment: Sequence[Block]) -> Block:
-    """All laws but those that switch: states velocity, theta, then the motor's."""
+def _base(spec: Spec, compensator: Compensator | None, environment: Sequence[Block]) -> tuple[Block, int]:
+    """All laws but those that switch: states velocity, theta, then the motor's; and how many before the environment."""
     demand = "held" if compensator is None else "tau_d"
     elastic = isinstance(spec.actuator, SeriesElasticActuator)
     actuator = actuator_equations(spec, demand if elastic else "applied")
     actuator = [law for law in actuator if law.outputs != ("motor_acceleration",)]
     if not elastic:
         actuator.append(combination("tau_m", **{demand: 1}))
-    contact = () if environment else (combination("contact_torque"),)
+    body = [integrator("velocity", "acceleration"), integrator("theta", "velocity"), *actuator]
+    made = {name for law in environment for name in law.outputs}
     laws = [
-        integrator("velocity", "acceleration"),
-        integrator("theta", "velocity"),
-        *actuator,
+        *body,
         combination("tau_int", push=1, contact_torque=1, wall=1),
-        *contact,
+        combination("tau_load", tau_int=1, tau_sea=1, unfelt_torque=1),
+        *(combination(name) for name in ("contact_torque", "unfelt_torque") if name not in made),
         *environment,
         *([] if compensator is None else controller_equations(spec, compensator)),
     ]
-    if isinstance(spec.actuator, IdealActuator):
-        laws.append(combination("motor_velocity"))
-    outputs = ("theta", "velocity", "motor_velocity", "tau_int", "tau_sea", "tau_m")
-    laws += [] if any("motor_velocity" in law.outputs for law in laws) else [combination("motor_velocity")]
-    return connect(laws, inputs=[*OPEN, *EXTERNAL], outputs=outputs)
+    laws += [] if elastic else [combination("motor_velocity")]
+    outputs = ("theta", "velocity", "motor_velocity", "tau_int", "tau_load", "tau_sea", "tau_m")
+    return connect(laws, inputs=[*OPEN, *EXTERNAL], outputs=outputs), sum(len(law.A) for law in body)
 
 
 def _table(loads: Sequence[Load] | Array) -> Array:
@@ -146,10 +152,9 @@ def _closed(
     on = {name: unit[i] for i, name in enumerate(INPUTS)}
     I, B, K = (table[:, i, None] for i in range(3))  # noqa: E741
 
-    def net(parts: Array) -> Array:
+    def net(parts: Matrix) -> Array:
         """Torque on the load but its inertia and friction: over (state, inputs) or over what is open."""
-        torque = (parts[signal["tau_int"]] + parts[signal["tau_sea"]])[None]
-        return np.asarray(torque - B * parts[signal["velocity"]] - K * parts[signal["theta"]])
+        return np.asarray(parts[signal["tau_load"]][None] - B * parts[signal["velocity"]] - K * parts[signal["theta"]])
 
     left = np.zeros((count, opened, opened))  # left · open = right · (state, inputs)
     right = np.zeros((count, opened, width))
