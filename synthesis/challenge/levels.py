@@ -25,7 +25,7 @@ def levels(spec: Spec, C: Compensator, claims: Claims) -> Iterator[Finding]:
     if omega_B:
         level = float(spec.objective.attenuation)
         yield _level(spec, C, "bandwidth attenuation", level, (min(low, omega_B / 100), omega_B), (omega_B,))
-        tone = tones.measured(spec, C, vertices(spec)[0], omega_B * (1 + 1e-4))
+        tone = tones.measured(spec, C, nominal_load(spec)[0], omega_B * (1 + 1e-4))
         value = abs(tone.attenuation)
         yield Finding("bandwidth attenuation", "outside", "|1−Q̃| just beyond ω_B", value, level, value > level or None)
     peak, rendering = proven(claims, "peak", "sensitivity"), proven(claims, "rendering", "every-load")
@@ -75,6 +75,8 @@ def _level(
         Z, attenuation = tones.responses(member.spec, C, load[None], np.array([omega]))
         found.append((float(badness(np.array([omega]), Z, attenuation)[0, 0]), member.spec, load, omega, badness))
     _, one, load, omega, badness = max(found, key=lambda each: each[0])
+    if worst_poles(one, C, load[None])[0] >= 0:
+        return Finding(claim, "information", f"unstable, nothing to measure: load {load.tolist()}", None, bound, None)
     tone = tones.measured(one, C, load, omega)
     value = float(badness(np.array([omega]), np.array([tone.Z]), np.array([tone.attenuation]))[0])
     where = f"{_WORDS[claim]} at {omega:.6g} rad/s, I={load[0]:.4g} B={load[1]:.4g} K={load[2]:.4g}"
