@@ -12,7 +12,7 @@ from .agreement import Agreement, compare
 from .certificate.claims import certify
 from .certificate.document import document, verdict
 from .check import Verdict
-from .errors import MismatchError
+from .errors import InputError, MismatchError
 from .interruption import demanding
 from .pipeline import VERDICT_CODE, realizable, setting_of
 from .simulation import Trials, verify
@@ -21,6 +21,7 @@ from .spec.model import Polynomials
 
 if TYPE_CHECKING:
     from .challenge import Challenge
+    from .simulation.experiments import Experiment
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +73,19 @@ def replay(
 
     attacked = challenge(spec, compensator, claims, count=count, seed=seed, progress=demanding(progress))
     return Replay(trials, agreement, attacked)
+
+
+def repeat_experiment(content: dict[str, Any], file: str, name: str) -> Experiment:
+    """One of the paper's experiments (`fig9` … `fig12`) on a certificate's joint with its controller as the DOB.
+
+    Raises: InputError for an unknown name.
+    """
+    from .simulation.experiments import EXPERIMENTS  # loads the compiler
+
+    if name not in EXPERIMENTS:
+        raise InputError(f"--experiment: expected one of {', '.join(EXPERIMENTS)}; found {name}")
+    polynomials = _polynomials(content["controller"]["C"])
+    return EXPERIMENTS[name](from_canonical(content["spec"], file), (polynomials.numerator, polynomials.denominator))
 
 
 def _demand_texts(written: dict[str, Any], expected: dict[str, Any], file: str) -> None:

@@ -13,6 +13,10 @@ from .common import Json, certificate_bytes, complain, dumped, finish, say
 
 Loads = Annotated[int, typer.Option(metavar="N", min=0, help="Loads to draw; 0: only the corners, no attacks.")]
 Seed = Annotated[int, typer.Option(min=0, help="Of the loads drawn and their torques.")]
+ExperimentName = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="Repeat the paper's fig9, fig10, fig11 or fig12 on this joint instead."),
+]
 Output = Annotated[
     Path | None, typer.Option("--output", "-o", metavar="DIR", help="Write simulation.json and joints.npz there.")
 ]
@@ -23,11 +27,12 @@ def simulate(
     loads: Loads = 10_000,
     seed: Seed = 0,
     output: Output = None,
+    experiment: ExperimentName = None,
     as_json: Json = False,
 ) -> None:
     """Move the certified joint in the time domain, attack every claim; agrees or contradicts."""
     from ..check import check_bytes
-    from ..replay import replay
+    from ..replay import repeat_experiment, replay
     from ..report.progress import status_line
     from ..report.simulated import arrays, summary
     from ..storage import demand_writable, write_atomic
@@ -40,15 +45,24 @@ def simulate(
         raise InputError(checked.message, Location(str(certificate)))
     if checked.exit_code == ExitCode.MISMATCH:
         raise MismatchError(f"{certificate}: {checked.message}")
+    content = json.loads(data)
+    if experiment is not None:
+        seen = repeat_experiment(content, str(certificate), experiment)
+        if output is not None:
+            write_atomic(output / f"{experiment}.json", dumped(seen.to_json()).encode())
+        say(
+            dumped(seen.to_json()) if as_json else "\n".join([seen.title, *(f"  {each}" for each in seen.observations)])
+        )
+        finish([ExitCode.PROVEN])
     with status_line() as progress:
-        done = replay(json.loads(data), checked, str(certificate), progress, count=loads, seed=seed)
+        done = replay(content, checked, str(certificate), progress, count=loads, seed=seed)
     agrees = not done.contradictions
-    content = {"agrees": agrees, "contradictions": done.contradictions, "seed": seed, **summary(done)}
+    found = {"agrees": agrees, "contradictions": done.contradictions, "seed": seed, **summary(done)}
     if output is not None:
         write_atomic(output / "joints.npz", arrays(done))
-        write_atomic(output / "simulation.json", dumped(content).encode())
+        write_atomic(output / "simulation.json", dumped(found).encode())
     if as_json:
-        say(dumped(content))
+        say(dumped(found))
     elif agrees:
         say(f"AGREES  {certificate}  {done.agreement.summary(len(done.trials.trials))}")
         if done.attacked:

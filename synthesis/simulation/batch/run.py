@@ -68,11 +68,13 @@ def simulate_batch(
     every: int = 0,
     seed: int = 0,
     levels: int = LEVELS,
+    threads: int | None = None,
 ) -> Runs:
     """Move every joint through its course, held over each `tick` [s], from `start` (n,) or (loads, n) or from rest.
 
     Args: `push`, `disturbance` [N·m]: (ticks,) or (courses, ticks), the second not felt by the torque sensor;
     `motion` [rad/s²]; `chosen`: (loads,) each joint's course. `law`: of a joint built without compensator.
+    `threads`: by default one per core.
     `sines` [rad/s] whose phasors are summed from tick `since` on; `every`: keep every so-manieth tick (0: none).
 
     Raises: InputError for an encoder or noise without a sampled law.
@@ -99,7 +101,7 @@ def simulate_batch(
     phasors = np.zeros((count, len(frequencies), 2), dtype=complex)
     traces = np.zeros((count if every else 0, -(-ticks // every) if every else 0, len(TRACED)))
     given = (plant, course, _digital(law, joints, count, seed), Look(frequencies * tick, since, every))
-    threads = max(min(os.cpu_count() or 1, count), 1)
+    threads = max(min(threads or os.cpu_count() or 1, count), 1)
     with ThreadPoolExecutor(threads) as pool:
         work = [pool.submit(run, i, threads, *given, figures, phasors, traces) for i in range(threads)]
         for part in work:
