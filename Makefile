@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: demo test evidence lint types wheel bench picture clean
+.PHONY: demo test evidence lint types wheel bench bench-simulation picture clean
 
 demo: .venv/installed
 	$(BIN)/robimp synth examples/haninger2016.yaml
@@ -35,6 +35,10 @@ types: wheel
 
 bench: .venv/installed
 	$(BIN)/python benchmarks/bench.py
+
+# Against LSODA, python-control and C (needs gcc); seven minutes at most.
+bench-simulation: .venv/installed
+	$(BIN)/python benchmarks/simulation.py
 
 picture: .venv/installed
 	$(BIN)/python examples/picture.py

@@ -10,12 +10,12 @@ typedef struct { double friction[2], torque, stiction; } Limits;
 static int mode(const int *s) { return (s[0] == 0) + 2 * (s[1] == 0) + 4 * (s[2] != 0); }
 
 static void linear(int n, const double *x, const double *w, const double *D, double *y) {
-    for (int i = 0; i < n; i++) y[i] = x[i];
-    for (int j = 0; j < n; j++)
-        for (int i = 0; i < n; i++) y[i] += D[j * n + i] * x[j];
-    for (int j = 0; j < M; j++)
-        if (w[j] != 0.0)
-            for (int i = 0; i < n; i++) y[i] += D[(n + j) * n + i] * w[j];
+    for (int i = 0; i < n; i++, D += n + M) {
+        double value = x[i];
+        for (int j = 0; j < n; j++) value += D[j] * x[j];
+        for (int j = 0; j < M; j++) value += D[n + j] * w[j];
+        y[i] = value;
+    }
 }
 
 static double reading(int n, const double *row, const double *x, const double *w) {
@@ -65,7 +65,7 @@ static void implicit(int n, const double *x, double *w, const double *steps, int
         for (int c = 0; c < 2; c++)
             if (l->friction[c] > 0 && s[c] != 0) {
                 linear(n, x, w, D, y);
-                double old = w[4 + c], f = old - y[2 * c] / D[(n + 4 + c) * n + 2 * c];
+                double old = w[4 + c], f = old - y[2 * c] / D[2 * c * (n + M) + n + 4 + c];
                 f = fmin(fmax(f, -l->friction[c]), l->friction[c]);
                 changed |= fabs(f - old) > 1e-15 * l->friction[c];
                 w[4 + c] = f;

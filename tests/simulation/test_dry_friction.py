@@ -46,19 +46,19 @@ class TestSteps:
     def test_every_step_of_the_ladder_is_the_exponential(self):
         joint = switched(SPEC, C, loads(SPEC))
         n, width = joint.states, joint.flows.shape[-1]
-        steps = np.empty((6, width, n))
+        steps = np.empty((6, n, width))
         ladder(joint.flows[1, 0], 4e-3, steps)
         square = np.zeros((width, width))
         square[:n] = joint.flows[1, 0]
         for level in range(6):
             exact = expm(square * 4e-3 / 2**level)[:n] - np.eye(n, width)
-            assert abs(steps[level].T - exact).max() < 1e-12 * abs(exact).max()
+            assert abs(steps[level] - exact).max() < 1e-12 * abs(exact).max()
 
     def test_a_long_step_of_a_fast_joint_is_finite(self):
         joint = switched(SPEC, C, loads(SPEC))
-        steps = np.empty((3, joint.flows.shape[-1], joint.states))
+        steps = np.empty((3, joint.states, joint.flows.shape[-1]))
         ladder(joint.flows[0, 0], 1000.0, steps)
-        assert abs(steps[0].T[:, : joint.states] + np.eye(joint.states)).max() < 1e-6, "everything has decayed"
+        assert abs(steps[0][:, : joint.states] + np.eye(joint.states)).max() < 1e-6, "everything has decayed"
 
     def test_without_switches_it_is_the_joint_of_the_other_simulator(self):
         run = simulate_batch(switched(SPEC, C, loads(SPEC)), 1e-3, np.ones(2001), every=1)

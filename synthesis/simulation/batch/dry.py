@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiled import compiled
+from .compiled import compiled, inlined
 
 Array = NDArray[np.float64]
 Switches = NDArray[np.int64]
@@ -47,7 +47,7 @@ class Limits(NamedTuple):
     stiction: float
 
 
-@compiled
+@inlined
 def mode(switches: Switches) -> int:
     """Which of the sixteen linear systems holds: bits for load stuck, motor stuck, saturated, touching."""
     bits = 1 if switches[0] == 0 else 0
@@ -56,9 +56,9 @@ def mode(switches: Switches) -> int:
     return bits + (8 if switches[TOUCHING] != 0 else 0)
 
 
-@compiled
+@inlined
 def tick(x: Array, w: Array, steps: Array, rows: Array, switches: Switches, limits: Limits, y: Array) -> int:
-    """Advance x by a tick under the inputs w; `steps` (modes, levels, n + m, n) and `rows` (modes, 4, n + m).
+    """Advance x by a tick under the inputs w; `steps` (modes, levels, n, n + m) and `rows` (modes, 4, n + m).
 
     Changes x and switches; y is scratch, (n,). Returns how many implicit steps it took.
     """
@@ -66,20 +66,22 @@ def tick(x: Array, w: Array, steps: Array, rows: Array, switches: Switches, limi
     at, events = 0, 0
     while at < whole:
         span = (at & -at) if at else whole
+        level = _level(span, whole)
         while span > 1:
-            _advance(x, w, steps[mode(switches), _level(span, whole)], switches, limits, y)
-            if _holds(y, w, rows[mode(switches)], switches, limits):
+            _advance(x, w, steps, level, switches, limits, y)
+            if _holds(y, w, rows, switches, limits):
                 break
-            span >>= 1
+            span, level = span >> 1, level + 1
         if span == 1:
             _implicit(x, w, steps, rows, switches, limits, y)
             events += 1
-        x[:] = y
+        for i in range(len(x)):
+            x[i] = y[i]
         at += span
     return events
 
 
-@compiled
+@inlined
 def _level(span: int, whole: int) -> int:
     level = 0
     while span < whole:
@@ -88,71 +90,68 @@ def _level(span: int, whole: int) -> int:
     return level
 
 
-@compiled
-def _advance(x: Array, w: Array, D: Array, switches: Switches, limits: Limits, y: Array) -> None:
-    """`y = x + D (x, w)` with the friction of the contacts that slip."""
+@inlined
+def _advance(x: Array, w: Array, steps: Array, level: int, switches: Switches, limits: Limits, y: Array) -> None:
+    """`y = x + D_ℓ (x, w)` with the friction of the contacts that slip."""
     w[FRICTION] = -limits.load_friction * switches[0]
     w[FRICTION + 1] = -limits.motor_friction * switches[1]
     w[LIMIT] = limits.torque * switches[SATURATED] if switches[SATURATED] else 0.0
     w[WALL] = limits.wall_stiffness * limits.wall_place if switches[TOUCHING] else 0.0
-    _linear(x, w, D, y)
+    _linear(x, w, steps, mode(switches), level, y)
 
 
-@compiled
-def _linear(x: Array, w: Array, D: Array, y: Array) -> None:
+@inlined
+def _linear(x: Array, w: Array, steps: Array, m: int, level: int, y: Array) -> None:
     n = len(x)
     for i in range(n):
-        y[i] = x[i]
-    for j in range(n):
-        factor = x[j]
-        for i in range(n):
-            y[i] += D[j, i] * factor
-    for j in range(len(w)):
-        factor = w[j]
-        if factor != 0.0:
-            for i in range(n):
-                y[i] += D[n + j, i] * factor
+        value = x[i]
+        for j in range(n):
+            value += steps[m, level, i, j] * x[j]
+        for j in range(len(w)):
+            value += steps[m, level, i, n + j] * w[j]
+        y[i] = value
 
 
-@compiled
-def read(row: Array, x: Array, w: Array) -> float:
-    """A signal of the joint, by its row over state and inputs."""
+@inlined
+def read(rows: Array, m: int, signal: int, x: Array, w: Array) -> float:
+    """A signal of READ in mode m, by its row over state and inputs."""
     value = 0.0
     for j in range(len(x)):
-        value += row[j] * x[j]
+        value += rows[m, signal, j] * x[j]
     for j in range(len(w)):
-        value += row[len(x) + j] * w[j]
+        value += rows[m, signal, len(x) + j] * w[j]
     return value
 
 
-@compiled
+@inlined
 def _touches(x: Array, limits: Limits) -> bool:
     """Behind the place of the wall, and pressed: it does not pull."""
     depth = x[1] - limits.wall_place
     return bool(depth > 0 and limits.wall_stiffness * depth + limits.wall_damping * x[0] > 0)
 
 
-@compiled
+@inlined
 def _saturation(demand: float, limits: Limits) -> int:
     return 0 if abs(demand) <= limits.torque else (1 if demand > 0 else -1)
 
 
-@compiled
-def _sticks(y: Array, w: Array, rows: Array, contact: int, limits: Limits) -> bool:
-    return bool(abs(read(rows[contact], y, w)) <= limits[contact] * limits.stiction)
+@inlined
+def _sticks(y: Array, w: Array, rows: Array, m: int, contact: int, limits: Limits) -> bool:
+    return bool(abs(read(rows, m, contact, y, w)) <= limits[contact] * limits.stiction)
 
 
-@compiled
+@inlined
 def _holds(y: Array, w: Array, rows: Array, switches: Switches, limits: Limits) -> bool:
     """Whether the laws that were assumed for a step still hold at its end."""
+    m = mode(switches)
     for contact in range(CONTACTS):
         if limits[contact] > 0:
             if switches[contact] == 0:
-                if not _sticks(y, w, rows, contact, limits):
+                if not _sticks(y, w, rows, m, contact, limits):
                     return False
             elif y[2 * contact] * switches[contact] <= 0:
                 return False
-    if limits.torque < np.inf and _saturation(read(rows[DEMAND], y, w), limits) != switches[SATURATED]:
+    if limits.torque < np.inf and _saturation(read(rows, m, DEMAND, y, w), limits) != switches[SATURATED]:
         return False
     return limits.wall_place == np.inf or _touches(y, limits) == (switches[TOUCHING] != 0)
 
@@ -162,20 +161,19 @@ def _implicit(x: Array, w: Array, steps: Array, rows: Array, switches: Switches,
     """The finest step: frictions such that the velocities at its end obey them (a linear complementarity problem)."""
     finest = steps.shape[1] - 1
     if limits.torque < np.inf:
-        switches[SATURATED] = _saturation(read(rows[mode(switches)][DEMAND], x, w), limits)
+        switches[SATURATED] = _saturation(read(rows, mode(switches), DEMAND, x, w), limits)
     if limits.wall_place < np.inf:
         switches[TOUCHING] = 1 if _touches(x, limits) else 0
     for _ in range(CONTACTS + 1):  # stuck contacts stay stuck unless that asks too much of them
-        _advance(x, w, steps[mode(switches), finest], switches, limits, y)
+        _advance(x, w, steps, finest, switches, limits, y)
         torn = False
         for contact in range(CONTACTS):
-            if switches[contact] == 0 and not _sticks(y, w, rows[mode(switches)], contact, limits):
-                switches[contact] = 1 if read(rows[mode(switches)][contact], y, w) < 0 else -1
+            if switches[contact] == 0 and not _sticks(y, w, rows, mode(switches), contact, limits):
+                switches[contact] = 1 if read(rows, mode(switches), contact, y, w) < 0 else -1
                 torn = True
         if not torn:
             break
-    D = steps[mode(switches), finest]
-    _frictions(x, w, D, switches, limits, y)
+    _frictions(x, w, steps, switches, limits, y)
     for contact in range(CONTACTS):
         if limits[contact] > 0 and switches[contact] != 0:
             v = 2 * contact
@@ -187,19 +185,23 @@ def _implicit(x: Array, w: Array, steps: Array, rows: Array, switches: Switches,
 
 
 @compiled
-def _frictions(x: Array, w: Array, D: Array, switches: Switches, limits: Limits, y: Array) -> None:
+def _frictions(x: Array, w: Array, steps: Array, switches: Switches, limits: Limits, y: Array) -> None:
     """Frictions of the contacts that are not stuck by turns, each the best answer to the other, and the step y."""
-    n = len(x)
+    n, m, finest = len(x), mode(switches), steps.shape[1] - 1
     for _ in range(SWEEPS):
         changed = False
         for contact in range(CONTACTS):
             if limits[contact] > 0 and switches[contact] != 0:
-                _linear(x, w, D, y)
-                v, old, gain = y[2 * contact], w[FRICTION + contact], D[n + FRICTION + contact, 2 * contact]
+                _linear(x, w, steps, m, finest, y)
+                v, old, gain = (
+                    y[2 * contact],
+                    w[FRICTION + contact],
+                    steps[m, finest, 2 * contact, n + FRICTION + contact],
+                )
                 new = old - v / gain if gain > 0 else (-np.inf if v > 0 else np.inf)
                 new = min(max(new, -limits[contact]), limits[contact])
                 changed = changed or abs(new - old) > 1e-15 * limits[contact]
                 w[FRICTION + contact] = new
         if not changed:
             break
-    _linear(x, w, D, y)
+    _linear(x, w, steps, m, finest, y)

@@ -19,8 +19,8 @@ SMALL = 0.5  # norm of a flow over a step whose series is short
 
 @compiled
 def ladder(flow: Array, h: float, steps: Array) -> None:
-    """Fill `steps` (levels, n + m, n) with the transposed D_ℓ of `flow` (n, n + m), ℓ = 0 the whole step h [s]."""
-    levels, width, n = steps.shape
+    """Fill `steps` (levels, n, n + m) with D_ℓ of `flow` (n, n + m), ℓ = 0 the whole step h [s]."""
+    levels, n, width = steps.shape
     finest = h / 2 ** (levels - 1)
     size, beyond = np.abs(flow).max() * n * finest, 0
     while size > SMALL:
@@ -31,7 +31,7 @@ def ladder(flow: Array, h: float, steps: Array) -> None:
     for level in range(levels - 1, -1, -1):
         for i in range(n):
             for j in range(width):
-                steps[level, j, i] = D[i, j]
+                steps[level, i, j] = D[i, j]
         D = 2 * D + _times(D, D)
 
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .compiled import compiled
+from .compiled import compiled, inlined
 from .dry import FRICTION, TAU_INT, Array, Limits, mode, read, tick
 from .ladder import ladder
 
@@ -81,7 +81,7 @@ def run(
     """Joints `first`, `first + stride`, …: fill their `figures` (loads, FIGURES), `phasors` (loads, sines, θ and τ_int)
     and `traces` (loads, kept, TRACED). Other threads may do the rest: nothing is shared but what is read."""
     n, width = plant.flows.shape[2:]
-    steps = np.empty((MODES, plant.levels, width, n))
+    steps = np.empty((MODES, plant.levels, n, width))
     rows = np.zeros((MODES, 4, width))
     for joint in range(first, len(figures), stride):
         for i in range(len(plant.modes)):
@@ -103,20 +103,28 @@ def _joint(
             switches[contact] = 1
         elif x[2 * contact] != 0:
             switches[contact] = 1 if x[2 * contact] > 0 else -1
-    chosen, total = course.chosen[joint], course.push.shape[1]
-    xi = np.zeros(len(digital.A), dtype=digital.A.dtype)
-    xi_next, sensed = xi.copy(), np.zeros(2, dtype=digital.A.dtype)
-    line = np.zeros(digital.delay + 1)
+    chosen = course.chosen[joint]
+    push, disturbance, motion = course.push[chosen], course.disturbance[chosen], course.motion[chosen]
+    limits, total = plant.limits, len(push)
+    A, B, C, D, delay = digital.A, digital.B, digital.C, digital.D, digital.delay
+    encoder, noise = digital.encoder, digital.noise
+    xi, xi_next, sensed = np.zeros(len(A), dtype=A.dtype), np.zeros(len(A), dtype=A.dtype), np.zeros(2, dtype=A.dtype)
+    line, slot = np.zeros(delay + 1), 0
     turn = np.exp(-1j * look.sines)
     phase = np.exp(-1j * look.sines * look.since)
     if digital.on:
         np.random.seed(digital.seeds[joint])
-    early = late = low = high = 0.0
+    early = late = low = high = energy = lowest = highest = 0.0
+    events = ticks = 0
     for k in range(total):
-        w[0], w[1], w[3] = course.push[chosen, k], course.disturbance[chosen, k], course.motion[chosen, k]
-        tau = read(rows[mode(switches)][TAU_INT], x, w)
+        w[0], w[1], w[3] = push[k], disturbance[k], motion[k]
+        tau = read(rows, mode(switches), TAU_INT, x, w)
         if digital.on:
-            w[2] = _demanded(tau, x[1], digital, xi, xi_next, sensed, line, k)
+            sensed[0] = tau + (noise * np.random.standard_normal() if noise > 0 else 0.0)
+            sensed[1] = _quantised(x[1], encoder)
+            line[slot] = _advanced(A, B, C, D, sensed, xi, xi_next)
+            slot = slot + 1 if slot < delay else 0
+            w[2] = line[slot]
         if look.every and k % look.every == 0:
             row = traces[joint, k // look.every]
             row[0], row[1], row[2], row[3], row[4] = x[1], x[0], tau, w[2], w[FRICTION]
@@ -127,11 +135,10 @@ def _joint(
                 phasors[i, 1] += tau * phase[i]
                 phase[i] *= turn[i]
         before, speed = x[1], x[0]
-        figures[EVENTS] += tick(x, w, steps, rows, switches, plant.limits, y)
-        figures[ENERGY] += w[0] * (x[1] - before)
-        figures[LOWEST] = min(figures[LOWEST], figures[ENERGY])
-        figures[LARGEST] = max(figures[LARGEST], abs(figures[ENERGY]))
-        figures[TICKS] += 1
+        events += tick(x, w, steps, rows, switches, limits, y)
+        energy += w[0] * (x[1] - before)
+        lowest, highest = min(lowest, energy), max(highest, energy)
+        ticks += 1
         if 4 * k >= total and 2 * k < total:
             early = max(early, abs(x[1]))
         if 4 * k >= 3 * total:
@@ -144,24 +151,28 @@ def _joint(
             late = np.inf
             break
     figures[EARLY], figures[LATE], figures[LOW], figures[HIGH] = early, late, low, high
+    figures[ENERGY], figures[LOWEST], figures[LARGEST] = energy, lowest, max(highest, -lowest)
+    figures[EVENTS], figures[TICKS] = events, ticks
 
 
-@compiled
-def _demanded(
-    tau: float, theta: float, digital: Digital, xi: NDArray[Any], xi_next: NDArray[Any], sensed: NDArray[Any],
-    line: Array, k: int,
+@inlined
+def _quantised(value: float, step: float) -> float:
+    return step * np.floor(value / step + 0.5) if step > 0 else value
+
+
+@inlined
+def _advanced(
+    A: NDArray[Any], B: NDArray[Any], C: NDArray[Any], D: NDArray[Any],
+    sensed: NDArray[Any], xi: NDArray[Any], xi_next: NDArray[Any],
 ) -> float:  # fmt: skip
-    """The torque demand held from tick k on: sensors read, law advanced, output `delay` ticks old."""
-    noise = digital.noise * np.random.standard_normal() if digital.noise > 0 else 0.0
-    sensed[0] = tau + noise
-    sensed[1] = digital.encoder * np.floor(theta / digital.encoder + 0.5) if digital.encoder > 0 else theta
-    out = digital.D[0, 0] * sensed[0] + digital.D[0, 1] * sensed[1]
+    """The law's output for what is sensed, in the arithmetic of its arrays; its state moves on."""
+    out = D[0, 0] * sensed[0] + D[0, 1] * sensed[1]
     for i in range(len(xi)):
-        out += digital.C[0, i] * xi[i]
-        value = digital.B[i, 0] * sensed[0] + digital.B[i, 1] * sensed[1]
+        out += C[0, i] * xi[i]
+        value = B[i, 0] * sensed[0] + B[i, 1] * sensed[1]
         for j in range(len(xi)):
-            value += digital.A[i, j] * xi[j]
+            value += A[i, j] * xi[j]
         xi_next[i] = value
-    xi[:] = xi_next
-    line[k % len(line)] = out
-    return float(line[(k + 1) % len(line)])
+    for i in range(len(xi)):
+        xi[i] = xi_next[i]
+    return float(out)
