@@ -36,7 +36,7 @@ types: wheel
 bench: .venv/installed
 	$(BIN)/python benchmarks/bench.py
 
-# Against LSODA, python-control and C (needs gcc); seven minutes at most.
+# Against LSODA, python-control and C (needs gcc); about a minute.
 bench-simulation: .venv/installed
 	$(BIN)/python benchmarks/simulation.py
 

@@ -56,11 +56,12 @@ def mode(switches: Switches) -> int:
     return bits + (8 if switches[TOUCHING] != 0 else 0)
 
 
-@inlined
-def tick(x: Array, w: Array, steps: Array, rows: Array, switches: Switches, limits: Limits, y: Array) -> int:
-    """Advance x by a tick under the inputs w; `steps` (modes, levels, n, n + m) and `rows` (modes, 4, n + m).
+@compiled
+def halved(x: Array, w: Array, steps: Array, rows: Array, switches: Switches, limits: Limits, y: Array) -> int:
+    """Advance x by a tick in which something switches, each step as long as its laws hold to its end.
 
-    Changes x and switches; y is scratch, (n,). Returns how many implicit steps it took.
+    `steps` (modes, levels, n, n + m) and `rows` (modes, 4, n + m); changes x and switches; y is scratch, (n,). Returns
+    how many implicit steps it took.
     """
     whole = 1 << (steps.shape[1] - 1)
     at, events = 0, 0
@@ -68,8 +69,8 @@ def tick(x: Array, w: Array, steps: Array, rows: Array, switches: Switches, limi
         span = (at & -at) if at else whole
         level = _level(span, whole)
         while span > 1:
-            _advance(x, w, steps, level, switches, limits, y)
-            if _holds(y, w, rows, switches, limits):
+            advance(x, w, steps, level, switches, limits, y)
+            if holds(y, w, rows, switches, limits):
                 break
             span, level = span >> 1, level + 1
         if span == 1:
@@ -91,7 +92,7 @@ def _level(span: int, whole: int) -> int:
 
 
 @inlined
-def _advance(x: Array, w: Array, steps: Array, level: int, switches: Switches, limits: Limits, y: Array) -> None:
+def advance(x: Array, w: Array, steps: Array, level: int, switches: Switches, limits: Limits, y: Array) -> None:
     """`y = x + D_ℓ (x, w)` with the friction of the contacts that slip."""
     w[FRICTION] = -limits.load_friction * switches[0]
     w[FRICTION + 1] = -limits.motor_friction * switches[1]
@@ -141,19 +142,20 @@ def _sticks(y: Array, w: Array, rows: Array, m: int, contact: int, limits: Limit
 
 
 @inlined
-def _holds(y: Array, w: Array, rows: Array, switches: Switches, limits: Limits) -> bool:
+def holds(y: Array, w: Array, rows: Array, switches: Switches, limits: Limits) -> bool:
     """Whether the laws that were assumed for a step still hold at its end."""
-    m = mode(switches)
+    m, good = mode(switches), True  # one way out: the compiler then keeps no count of references
     for contact in range(CONTACTS):
         if limits[contact] > 0:
             if switches[contact] == 0:
-                if not _sticks(y, w, rows, m, contact, limits):
-                    return False
-            elif y[2 * contact] * switches[contact] <= 0:
-                return False
-    if limits.torque < np.inf and _saturation(read(rows, m, DEMAND, y, w), limits) != switches[SATURATED]:
-        return False
-    return limits.wall_place == np.inf or _touches(y, limits) == (switches[TOUCHING] != 0)
+                good = good and _sticks(y, w, rows, m, contact, limits)
+            else:
+                good = good and y[2 * contact] * switches[contact] > 0
+    if limits.torque < np.inf:
+        good = good and _saturation(read(rows, m, DEMAND, y, w), limits) == switches[SATURATED]
+    if limits.wall_place < np.inf:
+        good = good and _touches(y, limits) == (switches[TOUCHING] != 0)
+    return good
 
 
 @compiled
@@ -165,7 +167,7 @@ def _implicit(x: Array, w: Array, steps: Array, rows: Array, switches: Switches,
     if limits.wall_place < np.inf:
         switches[TOUCHING] = 1 if _touches(x, limits) else 0
     for _ in range(CONTACTS + 1):  # stuck contacts stay stuck unless that asks too much of them
-        _advance(x, w, steps, finest, switches, limits, y)
+        advance(x, w, steps, finest, switches, limits, y)
         torn = False
         for contact in range(CONTACTS):
             if switches[contact] == 0 and not _sticks(y, w, rows, mode(switches), contact, limits):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compiled import compiled, inlined
-from .dry import FRICTION, TAU_INT, Array, Limits, mode, read, tick
+from .dry import FRICTION, TAU_INT, Array, Limits, advance, halved, holds, mode, read
 from .ladder import ladder
 
 MODES = 16
@@ -135,7 +135,14 @@ def _joint(
                 phasors[i, 1] += tau * phase[i]
                 phase[i] *= turn[i]
         before, speed = x[1], x[0]
-        events += tick(x, w, steps, rows, switches, limits, y)
+        advance(
+            x, w, steps, 0, switches, limits, y
+        )  # here, not in a function of its own: that would cost as much again
+        if holds(y, w, rows, switches, limits):
+            for i in range(len(x)):
+                x[i] = y[i]
+        else:
+            events += halved(x, w, steps, rows, switches, limits, y)
         energy += w[0] * (x[1] - before)
         lowest, highest = min(lowest, energy), max(highest, energy)
         ticks += 1
