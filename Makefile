@@ -3,7 +3,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: demo test evidence lint types wheel bench rivals picture clean
+.PHONY: demo test evidence lint types wheel bench bench-simulation rivals picture clean
 
 demo: .venv/installed
 	$(BIN)/robimp synth examples/haninger2016.yaml
@@ -40,6 +40,10 @@ bench: .venv/installed
 rivals: .venv/installed
 	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[bench]'
 	$(BIN)/python benchmarks/rivals
+
+# Against LSODA, python-control and C (needs gcc); about a minute.
+bench-simulation: .venv/installed
+	$(BIN)/python benchmarks/simulation.py
 
 picture: .venv/installed
 	$(BIN)/python examples/picture.py

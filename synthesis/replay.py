@@ -3,25 +3,47 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
 from importlib.metadata import version
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .agreement import Agreement, compare
 from .certificate.claims import certify
 from .certificate.document import document, verdict
 from .check import Verdict
-from .errors import MismatchError
+from .errors import InputError, MismatchError
+from .interruption import demanding
 from .pipeline import VERDICT_CODE, realizable, setting_of
 from .simulation import Trials, verify
 from .spec import from_canonical
 from .spec.model import Polynomials
 
+if TYPE_CHECKING:
+    from .challenge import Challenge
+    from .simulation.experiments import Experiment
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """Trials of every corner with their comparison, and the attacks on every claim (None: the joint is unstable)."""
+
+    trials: Trials
+    agreement: Agreement
+    attacked: Challenge | None
+
+    @property
+    def contradictions(self) -> tuple[str, ...]:
+        """What was simulated against what was proven, in words."""
+        return self.agreement.contradictions + (self.attacked.contradictions if self.attacked else ())
+
 
 def replay(
-    content: dict[str, Any], checked: Verdict, file: str, progress: Callable[[str], None]
-) -> tuple[Trials, Agreement]:
+    content: dict[str, Any], checked: Verdict, file: str, progress: Callable[[str], None], *, count: int, seed: int
+) -> Replay:
     """Simulate every load of a certificate whose format was already checked, and compare with its claims.
+
+    Then attack the claims: `count` loads are drawn with `seed`, 0 leaves the attacks out.
 
     Raises: MismatchError when the certificate does not say what the prover finds for its controller.
     """
@@ -41,9 +63,29 @@ def replay(
         _demand_texts(content, document(setting, coefficients, claims, bound=None, producer={}), file)
     if checked.exit_code != VERDICT_CODE[verdict(claims)]:
         raise MismatchError(f"{file}: {checked.message}")
-    compensator = _polynomials(content["controller"]["C"])
-    trials = verify(spec, (compensator.numerator, compensator.denominator), progress=progress)
-    return trials, compare(setting, C, claims, trials)
+    polynomials = _polynomials(content["controller"]["C"])
+    compensator = (polynomials.numerator, polynomials.denominator)
+    trials = verify(spec, compensator, progress=progress)
+    agreement = compare(setting, C, claims, trials)
+    if not count or not trials.stable:
+        return Replay(trials, agreement, None)
+    from .challenge import challenge  # loads the compiler
+
+    attacked = challenge(spec, compensator, claims, count=count, seed=seed, progress=demanding(progress))
+    return Replay(trials, agreement, attacked)
+
+
+def repeat_experiment(content: dict[str, Any], file: str, name: str) -> Experiment:
+    """One of the paper's experiments (`fig9` … `fig12`) on a certificate's joint with its controller as the DOB.
+
+    Raises: InputError for an unknown name.
+    """
+    from .simulation.experiments import EXPERIMENTS  # loads the compiler
+
+    if name not in EXPERIMENTS:
+        raise InputError(f"--experiment: expected one of {', '.join(EXPERIMENTS)}; found {name}")
+    polynomials = _polynomials(content["controller"]["C"])
+    return EXPERIMENTS[name](from_canonical(content["spec"], file), (polynomials.numerator, polynomials.denominator))
 
 
 def _demand_texts(written: dict[str, Any], expected: dict[str, Any], file: str) -> None:

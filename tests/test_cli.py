@@ -173,7 +173,7 @@ def test_a_certificate_may_come_from_a_pipe(paper: Path) -> None:
 
 @pytest.mark.parametrize("spec", [PAPER, STIFF, UNSTABLE, FEEDBACK], ids=lambda spec: spec.stem)
 def test_the_simulation_agrees_with_every_verdict(results: Path, spec: Path) -> None:
-    run = robimp("simulate", results / spec.stem / "certificate.json")
+    run = robimp("simulate", results / spec.stem / "certificate.json", "--loads", "100")
     assert (run.code, run.err) == (0, "") and run.out.startswith("AGREES")
 
 
@@ -362,7 +362,7 @@ def test_a_damaged_certificate_is_never_proven(code: int, damage: Damage, paper:
     path = tmp_path / "damaged.json"
     path.write_bytes(content if isinstance(content, bytes) else text_of(content))
     assert refused(ExitCode(code), "check", path).startswith(f"{path}: ")
-    simulated = robimp("simulate", path).code  # a false claim is not what the prover finds: 6
+    simulated = robimp("simulate", path, "--loads", "0").code  # a false claim is not what the prover finds: 6
     assert simulated in ((4, 6) if code == ExitCode.REFUTED else (code,))
 
 
@@ -392,7 +392,7 @@ def test_json_is_one_object(command: str, results: Path, paper: Path, tmp_path: 
     arguments: dict[str, tuple[str | Path, ...]] = {
         "synth": ("synth", PAPER, "-o", tmp_path, "--json"),
         "check": ("check", paper, "--json"),
-        "simulate": ("simulate", paper, "--json"),
+        "simulate": ("simulate", paper, "--json", "--loads", "100"),
         "bound": ("bound", EQ23, "--terms", "6", "--json"),
         "schema": ("schema",),
         "check refuted": ("check", stiff, "--json"),
@@ -599,8 +599,8 @@ def test_simulate_reports_a_contradiction(paper: Path, monkeypatch: pytest.Monke
         return replace(trials, wall_stable=not trials.wall_stable)
 
     monkeypatch.setattr(replay, "verify", flipped)
-    assert "contradicts: rigid wall" in refused(ExitCode.REFUTED, "simulate", paper)
-    content = json.loads(robimp("simulate", paper, "--json").out)
+    assert "contradicts: rigid wall" in refused(ExitCode.REFUTED, "simulate", paper, "--loads", "0")
+    content = json.loads(robimp("simulate", paper, "--json", "--loads", "0").out)
     assert content["agrees"] is False
 
 
@@ -626,4 +626,4 @@ def test_simulate_refuses_words_that_were_not_proven(key: str, paper: Path, tmp_
     assert key in refused(ExitCode.MISMATCH, "simulate", edited)
     content["producer"]["robimp"] = "0.0.1"  # its words are not known here
     edited.write_text(json.dumps(reseal(content)))
-    assert robimp("simulate", edited).code == ExitCode.PROVEN
+    assert robimp("simulate", edited, "--loads", "0").code == ExitCode.PROVEN

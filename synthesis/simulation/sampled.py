@@ -92,10 +92,10 @@ def _sampled_loop(spec: Spec, compensator: Compensator, tick: float, delay: int)
     equations = [*load_equations(loads(spec)[0]), *actuator_equations(spec)]
     joint = _held(connect(equations, ["tau_int", "tau_d"], ["theta"]), tick)
     law = controller_equations(spec, compensator)
-    controller = _tustin(connect(law, ["tau_int", "theta", "velocity", "acceleration"], ["tau_d"]), tick)
+    controller = tustin(connect(law, ["tau_int", "theta", "velocity", "acceleration"], ["tau_d"]), tick)
     held = _delayed("held", "tau_d", delay)
     return connect(
-        [replace(joint, inputs=("tau_int", "held")), _differences(tick), controller, held], ["tau_int"], ["theta"]
+        [replace(joint, inputs=("tau_int", "held")), differences(tick), controller, held], ["tau_int"], ["theta"]
     )
 
 
@@ -106,7 +106,7 @@ def _held(block: Block, tick: float) -> Block:
     return replace(block, A=exponential[:n, :n], B=exponential[:n, n:])
 
 
-def _tustin(block: Block, tick: float) -> Block:
+def tustin(block: Block, tick: float) -> Block:
     """Trapezoidal rule, `s → 2/T · (z−1)/(z+1)`."""
     half = tick / 2 * block.A
     resolvent = np.linalg.inv(np.eye(len(half)) - half)
@@ -119,7 +119,7 @@ def _tustin(block: Block, tick: float) -> Block:
     )
 
 
-def _differences(tick: float) -> Block:
+def differences(tick: float) -> Block:
     """`θ'_k = (θ_k − θ_{k−1})/T`, `θ''_k = (θ_k − 2θ_{k−1} + θ_{k−2})/T²`."""
     past = np.array([[-1 / tick, 0.0], [-2 / tick**2, 1 / tick**2]])
     now = np.array([[1 / tick], [1 / tick**2]])

@@ -1,0 +1,1 @@
+"""Attacks on a certified joint in the time domain: they look for the worst, and do not know what was proven."""

@@ -1,0 +1,1 @@
+"""Many joints at once, in compiled code: dry friction, saturation, walls, sampled controllers."""
