@@ -16,6 +16,7 @@ from ..interruption import Interruption, demand_none, remembered
 from .bound import bound
 from .check import check
 from .common import complain, discard, unwritable_output
+from .report import report
 from .schema import schema
 from .simulate import simulate
 from .synth import synth
@@ -30,7 +31,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (synth, check, simulate, bound, schema):
+for command in (synth, check, simulate, bound, report, schema):
     app.command()(command)
 
 
