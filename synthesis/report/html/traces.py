@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     Samples = NDArray[np.floating[Any]]
 
-SETTLED, GROWN = 1e-3, 1e2  # a stable joint is shown until it settles, an unstable one until it has grown
+SETTLED, GROWN = 1e-3, 1e3  # a stable joint is shown until it settles, an unstable one until it has grown
 LONGEST, POINTS, PERIODS = 60.0, 400, 8  # s; samples; periods of the tone
 
 
@@ -53,7 +53,7 @@ def simulated(study: Study) -> Traces | None:
         names = load_names(loads(spec))
         durations = [_duration(joint) for joint in joints]
         longest = max((d for d, joint in zip(durations, joints, strict=True) if joint.poles.stable), default=None)
-        end = longest or min(durations)
+        end = longest or max(durations)
         traces = tuple(_trace(name, joint, end, tone) for name, joint in zip(names, joints, strict=True))
     except (RobimpError, OverflowError):
         return None

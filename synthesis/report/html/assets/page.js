@@ -26,7 +26,10 @@
     };
     const horizontal = { ...axis, ...own.xaxis };
     const vertical = { ...axis, ...own.yaxis };
-    const decades = ({ type, range }) => (type === "log" && range && range[1] - range[0] > 1.5 ? { dtick: 1 } : {});
+    const decades = ({ type, range }) => {
+      const span = type === "log" && range ? range[1] - range[0] : 0;
+      return span > 1.5 ? { dtick: 1 } : span > 0.7 ? { dtick: "D2" } : {};
+    };
     return {
       ...own, ...size,
       xaxis: { ...horizontal, ...decades(own.xaxis), title: { ...axis.title, ...own.xaxis.title } },
