@@ -22,6 +22,7 @@ EQ23 = DATA / "golden" / "haninger2016-eq23.json"
 STIFF = DATA / "must-reject" / "haninger2016-stiff.json"
 LOWERED = DATA / "must-reject" / "haninger2016-paper--peak-lowered.json"
 UNSTABLE = DATA / "must-reject" / "unstable-optimum.json"
+WITHOUT = DATA / "must-reject" / "ideal-box--without-bandwidth.json"
 GARBAGE = DATA / "must-reject" / "ideal-box--truncated.json"
 
 VOID = {"meta", "link", "br", "hr", "img", "input", "source", "base"}

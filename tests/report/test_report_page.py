@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from command_line import refused, robimp
-from report_pages import EQ23, GARBAGE, LOWERED, PAPER, STIFF, UNSTABLE, Page, changed, html, study
+from report_pages import EQ23, GARBAGE, LOWERED, PAPER, STIFF, UNSTABLE, WITHOUT, Page, changed, html, study
 
 from robimp.synthesis.errors import ExitCode, InputError
 from robimp.synthesis.report.html import write_report
@@ -113,17 +113,21 @@ def test_words_a_certificate_brings_along_are_not_believed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("path", "said"),
-    [(LOWERED, "peak sensitivity: does not hold"), (STIFF, "eq12 structured: required, and refuted"),
-     (UNSTABLE, "stability-free hurwitz: required, and refuted")],
+    ("path", "code", "said"),
+    [
+        (LOWERED, ExitCode.REFUTED, "peak sensitivity: does not hold"),
+        (STIFF, ExitCode.REFUTED, "eq12 structured: required, and refuted"),
+        (UNSTABLE, ExitCode.REFUTED, "stability-free hurwitz: required, and refuted"),
+        (WITHOUT, ExitCode.MISMATCH, "bandwidth"),
+    ],
     ids=lambda value: value.stem if isinstance(value, Path) else "",
-)  # fmt: skip
-def test_a_certificate_that_does_not_check_says_so_first(path: Path, said: str, tmp_path: Path) -> None:
+)
+def test_a_certificate_that_does_not_check_says_so_first(path: Path, code: ExitCode, said: str, tmp_path: Path) -> None:
     output = tmp_path / "page.html"
     run = robimp("report", path, "-o", output)
-    assert run.code == ExitCode.REFUTED and said in run.line
+    assert run.code == code and said in run.line
     page = Page(output.read_text(encoding="utf-8"))
-    assert page.said.index("REFUTED") < page.said.index(said) < page.said.index("Controller")
+    assert page.said.index(code.name) < page.said.index(said) < page.said.index("Controller")
     assert page.of_class("failed") and not page.of_class("verdict proven")
     assert "ω_B ≥" not in page.said[: page.said.index("Disturbances")]
     assert "not verified" in page.said

@@ -107,7 +107,7 @@ def impedance(study: Study) -> Iterator[Figure]:
     omega, unit = study.omega, units(study.spec)
     view = study.view[0], study.view[1] / 8
     about = (omega >= view[0]) & (omega <= view[1])
-    within = about & (omega <= 1.2 * study.omega_B) if study.omega_B else about
+    within = about & (omega <= study.omega_B) if study.omega_B else about
     own = real(study.setting.loop.desired.inertia) * omega**2
     views: tuple[tuple[str, str, bool, Any, Callable[[Any], Curve]], ...] = (
         ("Gain |Z|", unit["stiffness"], True, about, np.abs),

@@ -1,4 +1,7 @@
-"""The page itself: a template, a style sheet, a script and the plotting library in one self-contained file."""
+"""The page itself: a template, a style sheet, a script and the plotting library in one self-contained file.
+
+`assets/plotly-cartesian.min.js` is plotly.js-cartesian-dist-min 4.1.1, unchanged (MIT, `assets/plotly-LICENSE`).
+"""
 
 from __future__ import annotations
 

@@ -119,6 +119,8 @@ class Study:
     def limits(self) -> tuple[list[str], list[str]]:
         """Assumptions and what is not claimed, as this version words them for these claims."""
         claims = tuple(checked.claim for checked in self.claims)
+        if not any(claim.id == "bandwidth" for claim in claims):
+            return [], ["anything: the claim of the bandwidth itself is missing"]
         stated = document(self.setting, self.coefficients, claims, bound=None, producer={})
         return stated["assumptions"], stated["not_claimed"]
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     Samples = NDArray[np.floating[Any]]
 
-SETTLED, GROWN = 1e-3, 1e3  # a stable joint is shown until it settles, an unstable one until it has grown
+SETTLED, GROWN = 1e-3, 1e6  # a stable joint is shown until it settles, an unstable one until it has grown
 LONGEST, POINTS, PERIODS = 60.0, 400, 8  # s; samples; periods of the tone
 
 
