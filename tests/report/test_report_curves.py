@@ -10,7 +10,7 @@ from report_pages import EQ23, PAPER, STIFF, UNSTABLE, study
 
 from robimp.synthesis.problem.constraints.inequality import Role
 from robimp.synthesis.report.html.curves import Level, filters, levels, nyquist, ports
-from robimp.synthesis.report.html.frequency import margins, sensitivity
+from robimp.synthesis.report.html.margins import margins, sensitivity
 from robimp.synthesis.report.html.study import Study
 from robimp.synthesis.report.html.traces import simulated
 from robimp.synthesis.simulation import assemble, loads

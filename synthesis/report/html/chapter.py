@@ -10,9 +10,11 @@ from markupsafe import Markup
 
 from ..terminal import UNIT
 from .figure import Figure
-from .frequency import impedance, margins, nyquist_plots, sensitivity
+from .impedance import impedance
+from .margins import margins, sensitivity
 from .mathml import transfer
 from .motion import motion
+from .nyquist import nyquist_plots
 from .study import polynomials
 from .words import described, number, span
 

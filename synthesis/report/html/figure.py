@@ -16,6 +16,11 @@ if TYPE_CHECKING:
 DIGITS = 5  # of plotted numbers: finer than a screen
 PALETTE = ("--blue", "--orange", "--green", "--purple", "--cyan", "--pink")  # variables of the style sheet
 
+EVERYWHERE: dict[str, Any] = {
+    "type": "rect", "xref": "paper", "yref": "paper", "x0": 0, "x1": 1, "y0": 0, "y1": 1, "line": {"width": 0},
+    "fillcolor": "--proven", "layer": "below",
+}  # fmt: skip
+
 Trace = dict[str, Any]
 
 
@@ -70,18 +75,23 @@ def ticks_of_grid(omega: Values) -> Trace:
     x = [None if k == 2 else w for w in rounded(omega) for k in range(3)]
     y = [(0, 0.025, None)[k % 3] for k in range(len(x))]
     return {
-        "type": "scatter", "mode": "lines", "name": "grid", "x": x, "y": y, "yaxis": "y2", "hoverinfo": "skip",
-        "line": {"color": "--muted", "width": 0.6},
+        "type": "scatter", "mode": "lines", "name": "grid", "x": x, "y": y, "yaxis": "y2",
+        "hoverinfo": "skip", "showlegend": False, "line": {"color": "--muted", "width": 0.6},
     }  # fmt: skip
 
 
-def band(low: float | None, high: float | None, colour: str = "--proven") -> dict[str, Any]:
-    """A tint from low to high [rad/s]; None: the edge of the plot."""
-    x0, x1 = (low, high) if low is not None and high is not None else (0, 1)
+def edge_note(text: str, *, left: bool) -> dict[str, Any]:
+    """A note inside the upper corner of a plot that points beyond its edge."""
+    side, x = ("left", 0) if left else ("right", 1)
     return {
-        "type": "rect", "xref": "x" if (low, high) != (None, None) else "paper", "yref": "paper",
-        "x0": x0, "x1": x1, "y0": 0, "y1": 1, "line": {"width": 0}, "fillcolor": colour, "layer": "below",
+        "text": f"← {text}" if left else f"{text} →", "xref": "paper", "yref": "paper", "x": x, "y": 0.99,
+        "xanchor": side, "yanchor": "top", "showarrow": False, "font": {"color": "--red", "size": 11},
     }  # fmt: skip
+
+
+def band(low: float, high: float) -> dict[str, Any]:
+    """The tint of what is proven, from low to high [rad/s]."""
+    return EVERYWHERE | {"xref": "x", "x0": low, "x1": high}
 
 
 def frequency(view: tuple[float, float]) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """The page itself: a template, a style sheet, a script and the plotting library in one self-contained file.
 
-`assets/plotly-cartesian.min.js` is plotly.js-cartesian-dist-min 4.1.1, unchanged (MIT, `assets/plotly-LICENSE`).
+`plotly-cartesian.min.js` is plotly.js-cartesian-dist-min 4.1.1, unchanged (MIT, `plotly-LICENSE`).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def page(chapters: Sequence[Chapter], names: Sequence[str], together: Together |
 
 def asset(name: str) -> str:
     """A file beside this module."""
-    return files(__package__).joinpath("assets", name).read_text(encoding="utf-8")
+    return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
 def _drawn(chapters: Sequence[Chapter], together: Together | None) -> list[dict[str, Any]]:

@@ -141,6 +141,17 @@ class Study:
         return np.unique(np.concatenate([regular, special, np.geomspace(low, high, 60)]))
 
     @property
+    def ends(self) -> tuple[float, float]:
+        """First and last frequency of the grid [rad/s]."""
+        return float(self.omega[0]), float(self.omega[-1])
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Which frequencies of the grid lie in the view. (n,)."""
+        low, high = self.view
+        return np.asarray((self.omega >= low) & (self.omega <= high))
+
+    @property
     def C(self) -> tuple[tuple[Fraction, ...], tuple[Fraction, ...]]:
         """The compensator's numerator and denominator, as the simulation takes it."""
         written = polynomials(self.content["controller"]["C"])

@@ -78,9 +78,7 @@ def _duration(joint: Joint) -> float:
 
 def _least_resisted(study: Study) -> float:
     """The frequency [rad/s] of the plots' own view at which the port resists least."""
-    low, high = study.view
-    inside = (study.omega >= low) & (study.omega <= high)
-    return float(study.omega[inside][np.argmin(least_resistance(study)[inside])])
+    return float(study.omega[study.inside][np.argmin(least_resistance(study)[study.inside])])
 
 
 def _wish(study: Study, times: Samples) -> tuple[Samples, Samples] | None:
