@@ -40,7 +40,7 @@ def report(
         from ..report.html import write_report
 
         verdicts = write_report(_shown(contents), path, progress, time_limit=time_limit)
-    _say(certificates, verdicts, path, as_json)
+    _say(list(contents), verdicts, path, as_json)
     finish([ExitCode(verdict.exit_code) for verdict in verdicts])
 
 
@@ -58,15 +58,15 @@ def _shown(contents: dict[str, bytes]) -> dict[str, bytes]:
     return dict(zip(names, contents.values(), strict=True))
 
 
-def _say(certificates: Sequence[Path], verdicts: Sequence[Verdict], path: Path, as_json: bool) -> None:
+def _say(files: Sequence[str], verdicts: Sequence[Verdict], path: Path, as_json: bool) -> None:
     if as_json:
         found = [
-            {"file": str(file), "exit_code": verdict.exit_code, "message": verdict.message}
-            for file, verdict in zip(certificates, verdicts, strict=True)
+            {"file": file, "exit_code": verdict.exit_code, "message": verdict.message}
+            for file, verdict in zip(files, verdicts, strict=True)
         ]
         say(dumped({"report": str(path), "certificates": found}))
         return
-    for file, verdict in zip(certificates, verdicts, strict=True):
+    for file, verdict in zip(files, verdicts, strict=True):
         if verdict.exit_code == ExitCode.PROVEN:
             say(f"PROVEN  {file}  {verdict.message}")
         else:

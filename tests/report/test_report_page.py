@@ -188,6 +188,25 @@ def test_the_gravest_of_several_decides(tmp_path: Path) -> None:
     assert run.code == ExitCode.REFUTED and "PROVEN" in run.out and "peak" in run.err
 
 
+def test_a_certificate_named_twice_is_shown_once(tmp_path: Path) -> None:
+    run = robimp("report", WITHOUT, WITHOUT, "-o", tmp_path / "page.html")
+    assert run.code == ExitCode.MISMATCH and run.line
+    assert not Page((tmp_path / "page.html").read_text(encoding="utf-8")).of_class("compared")
+
+
+def test_a_check_out_of_time_proves_nothing(tmp_path: Path) -> None:
+    run = robimp("report", PAPER, "-o", tmp_path / "page.html", "--time-limit", "0.01")
+    assert run.code == ExitCode.UNDECIDED and "time limit" in run.line
+    page = Page((tmp_path / "page.html").read_text(encoding="utf-8"))
+    assert page.of_class("failed") and "UNDECIDED" in page.said and "11 of 11" not in page.said
+    assert "not verified" in page.said and "ω_B ≥" not in page.said[: page.said.index("Disturbances")]
+    assert not page.figures[0]["layout"]["shapes"], "the bandwidth is tinted as if it were proven"
+
+
+def test_a_page_replaces_only_files(tmp_path: Path) -> None:
+    assert "no ordinary file" in refused(ExitCode.INPUT, "report", WITHOUT, "-o", tmp_path)
+
+
 def test_a_certificate_is_not_overwritten(tmp_path: Path) -> None:
     certificate = tmp_path / "certificate.json"
     certificate.write_bytes(PAPER.read_bytes())

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.signal import lti
-from scipy.signal import step as step_of
+from scipy.linalg import expm
 
 from ...errors import RobimpError
 from ...simulation import Response, assemble, loads, middle_of, multisine_response, step_response
@@ -57,7 +56,7 @@ def simulated(study: Study) -> Traces | None:
         traces = tuple(_trace(name, joint, end, tone) for name, joint in zip(names, joints, strict=True))
     except (RobimpError, OverflowError):
         return None
-    return Traces(traces, tone, _wish(study, traces[0].step.times))
+    return Traces(traces, tone, _wish(study, float(traces[0].step.times[-1])))
 
 
 def _trace(name: str, joint: Joint, duration: float, tone: float) -> Trace:
@@ -81,10 +80,12 @@ def _least_resisted(study: Study) -> float:
     return float(study.omega[study.inside][np.argmin(least_resistance(study)[study.inside])])
 
 
-def _wish(study: Study, times: Samples) -> tuple[Samples, Samples] | None:
+def _wish(study: Study, duration: float) -> tuple[Samples, Samples] | None:
+    """Step response of `I θ'' + B θ' + K θ = 1`; None without inertia."""
     wish = study.setting.loop.desired
-    coefficients = [real(v) for v in (wish.inertia, wish.damping, wish.stiffness)]
-    if coefficients[0] <= 0:
+    I, B, K = (real(v) for v in (wish.inertia, wish.damping, wish.stiffness))  # noqa: E741
+    if I <= 0:
         return None
-    _, theta = step_of(lti([1.0], coefficients), T=times)
-    return times, np.asarray(theta)
+    motion = np.array([[0, 1, 0], [-K / I, -B / I, 1 / I], [0, 0, 0]])  # of (θ, θ', torque)
+    times = np.linspace(0, duration, POINTS)
+    return times, expm(motion * times[:, None, None])[:, 0, 2]
