@@ -20,6 +20,7 @@ from .check import check
 from .common import complain, discard, say, unwritable_output
 from .identify import identify
 from .init import init
+from .report import report
 from .schema import schema
 from .simulate import simulate
 from .synth import synth
@@ -34,7 +35,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (synth, check, simulate, bound, identify, init, schema):
+for command in (synth, check, simulate, bound, identify, report, init, schema):
     app.command()(command)
 
 

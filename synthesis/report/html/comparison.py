@@ -1,0 +1,71 @@
+"""Several certificates beside each other: a table, and their curves in one plot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .curves import filters, least_resistance
+from .figure import PALETTE, Figure, frequency, line, opened
+from .words import number, units
+
+if TYPE_CHECKING:
+    from .study import Study
+
+
+def names(studies: Sequence[Study]) -> list[str]:
+    """What tells the certificates apart: the specification's name, or the file where two share one."""
+    said = [study.spec.name for study in studies]
+    return [study.file if said.count(name) > 1 else name for study, name in zip(studies, said, strict=True)]
+
+
+def comparison(studies: Sequence[Study]) -> list[Figure]:
+    """What is left of a disturbance, and the resistance of the port, of every certificate."""
+    view = min(s.view[0] for s in studies), max(s.view[1] for s in studies)
+    unit = units(studies[0].spec)["damping"]
+    return [
+        _overlaid(studies, view, "What is left of a disturbance, |1−Q̃|", "Lower is better, up to ω_B (dot).",
+                  lambda s: np.abs(next(filters(s))[1]), {"type": "log", "title": {"text": "magnitude"}}),
+        _overlaid(studies, view, "Least resistance of the port, Re(Z/jω)", "Passive where it is nowhere negative.",
+                  least_resistance, {"title": {"text": unit}}),
+    ]  # fmt: skip
+
+
+def _overlaid(
+    studies: Sequence[Study], view: tuple[float, float], title: str, caption: str,
+    of: Callable[[Any], Any], axis: dict[str, Any],
+) -> Figure:  # fmt: skip
+    traces, shown = [], []
+    for k, (study, name) in enumerate(zip(studies, names(studies), strict=True)):
+        values, colour = of(study), PALETTE[k % len(PALETTE)]
+        dash = ("solid", "dash", "dot")[k // len(PALETTE) % 3]
+        traces.append(line(name, study.omega, values, colour, dash=dash, legendgroup=name))
+        if study.omega_B:
+            at = float(np.interp(study.omega_B, study.omega, values))
+            dot = line(name, [study.omega_B], [at], colour, legendgroup=name, showlegend=False)
+            traces.append({**dot, "mode": "markers", "marker": {"color": colour, "size": 9}})
+        shown.append(values[(study.omega >= view[0]) & (study.omega <= view[1])])
+    limits = opened(shown, log=axis.get("type") == "log", outliers=1, include=() if axis.get("type") else (0,))
+    return Figure(title, caption, traces, frequency(view), axis | {"range": limits}, wide=True)
+
+
+def rows(studies: Sequence[Study]) -> tuple[list[str], list[list[str]]]:
+    """The table: headings, and one row for each certificate."""
+    kinds = list(dict.fromkeys((c.claim.id, c.claim.form) for s in studies for c in s.claims if c.claim.margin))
+    kinds = [kind for kind in kinds if kind[0] != "bandwidth"]
+    body = []
+    for study, name in zip(studies, names(studies), strict=True):
+        margins = {(c.claim.id, c.claim.form): c for c in study.claims}
+        bandwidth, bound = (study.content["bandwidth"][key] for key in ("proven", "bound"))
+        cells = [name, study.verdict_word]
+        cells += [number(Fraction(v)) if v is not None else "–" for v in (bandwidth if study.proven else None, bound)]
+        for kind in kinds:
+            found = margins.get(kind)
+            margin = found.claim.margin if found is not None and found.word == "proven" else None
+            cells.append("–" if margin is None else number(margin))
+        body.append(cells)
+    headings = ["certificate", "verdict", "ω_B [rad/s]", "bound", *(f"{id} {form}" for id, form in kinds)]
+    return headings, body
