@@ -86,7 +86,7 @@ def test_refuted_weighs_more_than_undecided(paper: Result) -> None:
 
 
 def test_the_producer_names_versions(paper: Result) -> None:
-    assert {"robimp", "python", "python-flint", "casadi", "cvxpy", "clarabel", "numpy"} == set(
+    assert {"robimp", "python", "python-flint", "casadi", "clarabel", "numpy"} == set(
         paper.certificate["producer"]
     )
 
