@@ -28,13 +28,13 @@ class Basis:
     def at(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Values of all functions. omega: (n,) [rad/s]. Returns (n, terms)."""
         s: NDArray[Any] = 1j * omega / self.around
-        real = np.geomspace(*SLOW, REAL - self.terms % 2)
-        pairs = (self.terms - real.size - 1) // 2
+        real = np.geomspace(*SLOW, REAL - 1 + self.terms % 2)
+        pairs = (self.terms - 1 - real.size) // 2
         dense = round(SHARE * pairs)
-        columns = [np.ones_like(s), *(1 / (1 + s / pole) for pole in real)]
+        columns: list[Any] = [np.ones_like(s), *(1 / (1 + s / pole) for pole in real)]
         for (low, high), count in ((NARROW, dense), (WIDE, pairs - dense)):
             zeta = min(0.7, OVERLAP * np.log(high / low) / count)
             for pole in np.geomspace(low, high, count):
                 resonance = 1 / ((s / pole) ** 2 + 2 * zeta * s / pole + 1)
                 columns += [resonance, resonance * s / pole]
-        return np.stack(columns, axis=1) / ((1 + s / ROLL_OFF) ** self.roll_off)[:, None]
+        return np.asarray(np.stack(columns, axis=1) / ((1 + s / ROLL_OFF) ** self.roll_off)[:, None], complex)

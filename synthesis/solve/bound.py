@@ -11,13 +11,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...models.rational import ONE
 from ..problem.constraints import constraints
-from ..problem.constraints.inequality import Constraint, Inequality, Variable
+from ..problem.constraints.inequality import Variable
 from ..problem.grid import frequency_scale, grid
 from ..problem.setting import Setting
 from .basis import Basis
@@ -55,6 +55,11 @@ class Bound:
     binding: tuple[tuple[str, float], ...]
     dropped: tuple[str, ...]
     response: Response = field(repr=False, compare=False)
+
+    def to_json(self) -> dict[str, Any]:
+        """For scripts: all but the response."""
+        shown = ("omega_B", "terms", "growth", "binding", "dropped")
+        return {name: getattr(self, name) for name in shown}
 
 
 def bound(setting: Setting, terms: int | None = None, progress: Progress = lambda _: None) -> Bound | None:

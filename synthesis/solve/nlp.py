@@ -224,7 +224,7 @@ class Program:
         return Candidate(self.structure.rounded(solution[:-1], self.omega_0), omega_B, solution[:-1])
 
     def violated(self, candidate: Candidate, finer: Grids) -> tuple[list[float], list[float]]:
-        """Where a candidate falls short on a finer grid: frequencies [rad/s], and fractions of ω_B, worst of each dip."""
+        """Where a candidate falls short on a finer grid: frequencies [rad/s], and fractions of ω_B."""
         at = np.append(candidate.x, np.log(candidate.omega_B / self.omega_0))
         found: tuple[list[float], list[float]] = ([], [])
         chunks = self.places.count, self.nlp["p"].shape[0] - self._columns

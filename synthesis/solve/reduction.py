@@ -50,4 +50,5 @@ def reduced(program: Program, ideal: Response, x: NDArray[np.float64]) -> NDArra
     low, high = structure.bounds
     inside = np.clip(x, low + 1e-9, high - 1e-9)
     with np.errstate(all="ignore"):
-        return np.asarray(least_squares(error, inside, bounds=(low, high), max_nfev=EVALUATIONS).x)
+        found: NDArray[np.float64] = least_squares(error, inside, bounds=(low, high), max_nfev=EVALUATIONS).x
+    return found

@@ -65,7 +65,7 @@ class Found:
 
 @dataclass(frozen=True)
 class Optima:
-    """What the search found for one structure: distinct candidates, best first, and the grid on which they are tight."""
+    """Of one structure: distinct candidates, best first, and the grid on which the best is tight."""
 
     candidates: tuple[Candidate, ...]
     grids: Grids

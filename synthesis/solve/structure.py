@@ -163,7 +163,7 @@ class Feedback(Sections):
 
     def first_gain(self, rng: np.random.Generator) -> float:
         """Of order one."""
-        return np.log(rng.uniform(0.1, 3.0))
+        return float(np.log(rng.uniform(0.1, 3.0)))
 
 
 @dataclass(frozen=True)
