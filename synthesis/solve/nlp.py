@@ -28,8 +28,7 @@ from .structure import Coefficients, Structure, convolve
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FIRST_BACK_OFF = 2e-5
-BACK_OFF_GROWTH = 2.0
+FIRST_BACK_OFF = 1e-5
 LEAST_ROUTH = 1e-6  # first-column entries of Routh's table, in normalised frequency
 IPOPT: dict[str, Any] = {
     "ipopt.print_level": 0,

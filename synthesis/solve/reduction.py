@@ -45,7 +45,8 @@ def reduced(program: Program, ideal: Response, x: NDArray[np.float64]) -> NDArra
         num, den = (np.polyval(np.array(c, dtype=float), p) for c in structure.polynomials(x))
         through = forward * num
         difference = through / ((den - num if observer else den) + through) - ideal.Q_tilde
-        return np.nan_to_num(np.concatenate([difference.real, difference.imag]), posinf=1e3, neginf=-1e3)
+        both = np.concatenate([difference.real, difference.imag])
+        return np.asarray(np.nan_to_num(both, posinf=1e3, neginf=-1e3))
 
     low, high = structure.bounds
     inside = np.clip(x, low + 1e-9, high - 1e-9)

@@ -87,7 +87,12 @@ class Rows:
 
     @classmethod
     def of(
-        cls, setting: Setting, constraint: Constraint, inequality: Inequality, omega: NDArray[np.float64], vertex: int
+        cls,
+        setting: Setting,
+        constraint: Constraint,
+        inequality: Inequality,
+        omega: NDArray[np.float64],
+        vertex: int = 0,
     ) -> Rows:
         """One inequality of a constraint at given frequencies; only those inside the constraint's own interval."""
         evaluator = Evaluator(setting, omega)

@@ -34,7 +34,7 @@ KEPT = 4  # distinct optima that are kept
 FINER = 8  # the grid that optima are looked at between solutions
 EXCHANGES = 8
 ROUNDS = 12
-BACK_OFF_GROWTH = 2.0
+BACK_OFF_GROWTH = 1.5
 REACHED = 0.9995  # of the program's ω_B: what the proof has to reach
 
 
