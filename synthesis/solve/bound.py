@@ -34,10 +34,12 @@ ROUGH_TERMS, FIRST_TERMS, GROWTH, MOST_TERMS = 20, 48, 1.25, 150
 NEAR, MOVES = 0.03, 4  # how close to ω_B the poles have to be placed, and how often they are moved there
 CONVERGED = 0.01  # relative growth of ω_B below which the basis is large enough
 POINTS = 600  # of the grid around ω_B
-FIRST_POINTS = 60  # of the program, for each inequality
-SHORT = 1e-5  # relative shortfall that makes a frequency join the program
+FIRST_POINTS = 16  # of the program, for each inequality
+SHORT = 1e-4  # relative shortfall that makes a frequency join the program
 LEVEL, COARSE_LEVEL = 3e-4, 0.02  # |log| of the level at which ω_B is found
 SLOPE = 3.0  # of log level over log ω, before two points tell
+TIGHT = 1e-6  # the multiplier of a row that stays in the program when ω_B moves
+BEYOND = 1.02  # the level that needs no more frequencies to say that ω_B is too high
 PROGRAMS = 60
 
 
@@ -112,14 +114,16 @@ class _Program:
         ]  # fmt: skip
         self.fixed = len(self.rows) - len(self.band)
         self.places = [np.searchsorted(omega, rows.omega) for rows in self.rows]
-        self.chosen = [np.unique(np.linspace(0, r.omega.size - 1, FIRST_POINTS).astype(int)) for r in self.rows]
+        self.spread = [np.unique(np.linspace(0, r.omega.size - 1, FIRST_POINTS).astype(int)) for r in self.rows]
+        self.chosen = self.spread
 
         values = setting.loop.actuator.H.at(omega)[:, None] * basis.at(omega)
-        _, triangle = np.linalg.qr(np.vstack([values.real, values.imag]) / np.sqrt(omega.size))
+        triangle = np.linalg.qr(np.vstack([values.real, values.imag]) / np.sqrt(omega.size), mode="r")
         self.inverse = np.linalg.pinv(triangle, rcond=1e-12)
         self.values = values @ self.inverse
         self.X = np.zeros(omega.size, complex)
         self.weights: list[tuple[str, float, float]] = []
+        self.tight = [np.zeros(0, int) for _ in self.rows]  # where the last solution has a multiplier
 
     def largest_band(self, start: float, *, coarse: bool = False) -> float | None:
         """ω_B where the least level is 1 [rad/s]: secants on the logarithms, kept between what is known."""
@@ -145,6 +149,7 @@ class _Program:
         here = np.array([omega_B])
         at_edge = self.setting.loop.actuator.H.at(here)[:, None] * self.basis.at(here) @ self.inverse
         edge = [Rows.of(v, c, q, here, k) for k, v, c, q in self.band]
+        self.chosen = [np.union1d(*both) for both in zip(self.spread, self.tight, strict=True)]
         objective = np.append(np.zeros(self.values.shape[1]), 1.0)
         for _ in range(PROGRAMS):
             parts = [(rows, self._chosen(index, end)) for index, rows in enumerate(self.rows)]
@@ -163,7 +168,10 @@ class _Program:
                 for (rows, chosen), weights in zip(parts, solution.weights, strict=True)
                 for w, omega in zip(weights, rows.omega[chosen], strict=True)
             ]
-            if not self._joined(level, end):
+            self.tight = [
+                chosen[weights > TIGHT] for (_, chosen), weights in zip(parts, solution.weights, strict=False)
+            ][: len(self.rows)]
+            if not self._joined(level, end) or level > BEYOND:  # more frequencies can only raise the level
                 break
         return level
 
