@@ -14,7 +14,8 @@ from robimp.synthesis.problem.grid import grid
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.solve.basis import Basis
 from robimp.synthesis.solve.bound import _Program
-from robimp.synthesis.solve.nlp import Grids, Program
+from robimp.synthesis.solve.nlp import Program
+from robimp.synthesis.solve.places import Grids
 from robimp.synthesis.solve.structure import QFilter
 from robimp.synthesis.spec import parse_spec
 

@@ -7,8 +7,8 @@ locked, is part of the program: the first columns of both Routh tables stay posi
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -19,16 +19,16 @@ from ...models.closed_loop import Pencil
 from ...models.rational import RationalFunction, to_float
 from ..problem.constraints import constraints
 from ..problem.constraints.inequality import Constraint, Inequality, Role, Source, Variable
-from ..problem.grid import Evaluator, grid
+from ..problem.grid import Evaluator
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
+from .places import ADDED, ADDED_BAND, Casadi, Grids, Places, filled
 from .split import Split
 from .structure import Coefficients, Structure, convolve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FIRST_BACK_OFF = 1e-5
 LEAST_ROUTH = 1e-6  # first-column entries of Routh's table, in normalised frequency
 IPOPT: dict[str, Any] = {
     "ipopt.print_level": 0,
@@ -40,33 +40,6 @@ IPOPT: dict[str, Any] = {
 EXPLORING = {"ipopt.mu_strategy": "adaptive"}
 INTERRUPTED = ("NonIpopt_Exception_Thrown", "User_Requested_Stop")  # what CasADi makes of Ctrl-C
 REFINING = {"ipopt.mu_init": 1e-5, "ipopt.bound_push": 1e-8, "ipopt.bound_frac": 1e-8}  # stay near the start
-SPREAD, DENSE, BAND = 16, 24, 12  # points of the first grid: over everything, around ω₀, and in the band
-ADDED, ADDED_BAND = 20, 8  # places for points where the constraints turn out to be tight
-
-
-@dataclass(frozen=True)
-class Grids:
-    """Where the program looks. omega: fixed grid [rad/s]; band: fractions of ω_B; back_off: relative slack required.
-
-    added, added_band: the points of each that came later; the program has places for the last ADDED, ADDED_BAND.
-    """
-
-    omega: NDArray[np.float64]
-    band: NDArray[np.float64]
-    added: tuple[float, ...] = ()
-    added_band: tuple[float, ...] = ()
-    back_off: float = FIRST_BACK_OFF
-
-    @classmethod
-    def of(cls, setting: Setting, omega_0: float, finer: int = 1) -> Grids:
-        """The first grid around omega_0 [rad/s], or one so many times finer."""
-        fractions = np.concatenate([[1e-4], np.linspace(0.03, 1, finer * BAND)])
-        return cls(grid(setting, around=omega_0, spread=finer * SPREAD, dense=finer * DENSE), fractions)
-
-    def refined(self, omega: Sequence[float], band: Sequence[float]) -> Grids:
-        """With further points; the oldest of those added make room."""
-        added = tuple(dict.fromkeys([*self.added, *omega]))[-ADDED:]
-        return replace(self, added=added, added_band=tuple(dict.fromkeys([*self.added_band, *band]))[-ADDED_BAND:])
 
 
 @dataclass(frozen=True)
@@ -76,47 +49,6 @@ class Candidate:
     coefficients: Polynomials
     omega_B: float
     x: NDArray[np.float64]
-
-
-class _Casadi:
-    """Elementwise arithmetic on CasADi expressions; the modulus is smooth at 0."""
-
-    def multiply(self, a: Any, b: Any) -> Any:
-        return a * b
-
-    def modulus(self, re: Any, im: Any) -> Any:
-        return ca.sqrt(re * re + im * im + 1e-14)
-
-    def exponential(self, re: Any, im: Any) -> tuple[Any, Any]:
-        return ca.exp(re) * ca.cos(im), ca.exp(re) * ca.sin(im)
-
-
-class Places:
-    """Columns of numbers that depend on the grid, as parameters: one place for each frequency of whatever grid."""
-
-    def __init__(self, count: int) -> None:
-        self.count = count
-        self.columns: list[Any] = []
-        self.fillings: list[Callable[[NDArray[np.float64]], NDArray[np.float64]]] = []
-        self.known: dict[Any, Split] = {}
-        self.omega = self.real(lambda omega: omega)
-
-    def real(self, filling: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> Any:
-        """A column for a real function of the grid, (n,) to (n,)."""
-        self.columns.append(ca.MX.sym("column", self.count))
-        self.fillings.append(filling)
-        return self.columns[-1]
-
-    def at(self, r: RationalFunction) -> Split:
-        """Columns for the values of a rational function."""
-        if r not in self.known:
-            parts = (self.real(lambda omega: r.at(omega).real), self.real(lambda omega: r.at(omega).imag))
-            self.known[r] = Split(*parts, _Casadi())
-        return self.known[r]
-
-    def values(self, omega: NDArray[np.float64]) -> NDArray[np.float64]:
-        """All columns below each other, for one grid. omega: (count,)."""
-        return np.concatenate([filling(omega) for filling in self.fillings])
 
 
 @dataclass(frozen=True)
@@ -146,8 +78,8 @@ class Program:
         self.num, self.den = structure.polynomials([x[i] for i in range(low.size)], exp=ca.exp)
         self.rows: list[Rows] = []
         expressions, routh, start = [], [], 0
-        at_grid = Split(ca.MX(ca.DM.zeros(self.places.count)), self.places.omega, _Casadi())
-        at_band = Split(ca.MX(ca.DM.zeros(band.shape[0])), band * ca.exp(log_band) * omega_0, _Casadi())
+        at_grid = Split(ca.MX(ca.DM.zeros(self.places.count)), self.places.omega, Casadi())
+        at_band = Split(ca.MX(ca.DM.zeros(band.shape[0])), band * ca.exp(log_band) * omega_0, Casadi())
         for vertex in setting.vertices():
             X_grid = self._variables(vertex, at_grid, self.places.at)  # once: CasADi does not find what is common
             X_band = self._variables(vertex, at_band, lambda r: r(at_band))
@@ -179,8 +111,8 @@ class Program:
 
     def _placed(self, grids: Grids) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The program's parameters for a grid, and the least slack of each row: −∞ at places that are not used."""
-        omega, used = _filled(grids.omega, grids.added, self.places.count)
-        band, used_band = _filled(grids.band, grids.added_band, self.nlp["p"].shape[0] - self._columns)
+        omega, used = filled(grids.omega, grids.added, self.places.count)
+        band, used_band = filled(grids.band, grids.added_band, self.nlp["p"].shape[0] - self._columns)
         least = np.full(self.nlp["g"].shape[0], LEAST_ROUTH)
         for rows in self.rows:
             active = used_band if rows.constraint.on_band else used & rows.inside(omega)
@@ -231,11 +163,9 @@ class Program:
             slack = []
             for begin in range(0, points.size, places):
                 part = points[begin : begin + places]
-                filled, _ = _filled(part, (), places)
+                given, _ = filled(part, (), places)
                 idle = np.full(chunks[0 if on_band else 1], 1.0)
-                p = np.concatenate(
-                    [self.places.values(idle), filled] if on_band else [self.places.values(filled), idle]
-                )
+                p = np.concatenate([self.places.values(idle), given] if on_band else [self.places.values(given), idle])
                 slack.append(np.array(self.slack(at, p)).ravel())
             for rows in (r for r in self.rows if r.constraint.on_band is on_band):
                 values = np.concatenate([g[rows.start : rows.start + rows.count] for g in slack])[: points.size]
@@ -325,11 +255,3 @@ def _add(p: Coefficients, q: Coefficients) -> Coefficients:
     n = max(len(p), len(q))
     p, q = ([0.0] * (n - len(r)) + list(r) for r in (p, q))
     return [a + b for a, b in zip(p, q, strict=True)]
-
-
-def _filled(
-    points: NDArray[np.float64], added: Sequence[float], count: int
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
-    """Points for every place, and which are meant: the rest repeat one of them."""
-    given = np.concatenate([points, np.array(added)])
-    return np.concatenate([given, np.full(count - given.size, given[0])]), np.arange(count) < given.size

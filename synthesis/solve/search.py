@@ -17,7 +17,8 @@ from ..errors import UndecidedError
 from ..interruption import demand_none
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
-from .nlp import Candidate, Grids, Program
+from .nlp import Candidate, Program
+from .places import Grids
 from .reduction import Response, reduced
 from .structure import Structure, structure_of
 

@@ -13,7 +13,8 @@ from robimp.models.closed_loop import Pencil
 from robimp.models.rational import descending
 from robimp.synthesis.certificate.hurwitz import is_hurwitz
 from robimp.synthesis.problem.setting import Setting
-from robimp.synthesis.solve.nlp import ADDED, FIRST_BACK_OFF, Candidate, Grids, Program
+from robimp.synthesis.solve.nlp import Candidate, Program
+from robimp.synthesis.solve.places import ADDED, FIRST_BACK_OFF, Grids
 from robimp.synthesis.solve.structure import structure_of
 from robimp.synthesis.spec import parse_spec
 

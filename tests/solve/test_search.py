@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,8 @@ from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.solve.basis import Basis
 from robimp.synthesis.solve.bound import POINTS, Bound, _Program
 from robimp.synthesis.solve.infeasible import impossible
-from robimp.synthesis.solve.nlp import Grids, Program
+from robimp.synthesis.solve.nlp import Program
+from robimp.synthesis.solve.places import Grids
 from robimp.synthesis.solve.reduction import Response, reduced
 from robimp.synthesis.solve.search import REACHED, Found, Refute, Search
 from robimp.synthesis.solve.structure import QFilter
@@ -27,7 +29,7 @@ from robimp.synthesis.spec import parse_spec
 from robimp.synthesis.spec.model import Polynomials
 
 search_module = import_module("robimp.synthesis.solve.search")
-nlp_module = import_module("robimp.synthesis.solve.nlp")
+places_module = import_module("robimp.synthesis.solve.places")
 compute_bound = import_module("robimp.synthesis.solve.bound").bound
 
 GOOD = (Path(__file__).parents[1] / "data" / "specs" / "good.yaml").read_text(encoding="utf-8")
@@ -147,7 +149,7 @@ def searched(
 ) -> Found | None:
     """A search whose grids are far too coarse to be right by themselves."""
     for name, points in TOO_COARSE.items():
-        monkeypatch.setattr(nlp_module, name, points)
+        monkeypatch.setattr(places_module, name, points)
     monkeypatch.setattr(search_module, "FINER", 1)
     monkeypatch.setattr(search_module, "DRAWN", 40)
     return Search(joint, refute, 15.0, progress, deadline=deadline).run()
@@ -262,3 +264,18 @@ def test_classical_feedback_is_found_stable_and_proven(form: str) -> None:
     assert low < found.candidate.omega_B < high
     den = found.candidate.coefficients.denominator
     assert (den[-1] == 0) == form.startswith("pi")
+
+
+def test_orders_6_and_8_on_the_reference_joint() -> None:
+    """In one chain: each order begins from the one below. Proven at these figures, not hoped."""
+    known: dict[Any, Any] = {}
+    reached = {}
+    for order in (6, 8):
+        joint = setting(("order: 4", f"order: {order}"))
+        refute = partial(lambda joint, c, w: counterexamples(joint, joint.compensator(c), w), joint)
+        found = Search(joint, refute, 52.7, lambda text: None, known=known).run()
+        assert found is not None and proven(joint, found)
+        assert len(found.candidate.coefficients.denominator) == order + 1
+        reached[order] = found.candidate.omega_B
+    assert reached[6] >= 47.5 and reached[8] >= 50
+    assert reached[8] > reached[6]

@@ -14,7 +14,7 @@ from robimp.synthesis.problem.constraints import constraints
 from robimp.synthesis.problem.constraints.inequality import Inequality, Role, Source
 from robimp.synthesis.problem.grid import Evaluator
 from robimp.synthesis.problem.setting import Setting
-from robimp.synthesis.solve.nlp import _Casadi
+from robimp.synthesis.solve.places import Casadi
 from robimp.synthesis.solve.rows import Rows
 from robimp.synthesis.solve.split import Split
 from robimp.synthesis.spec import parse_spec
@@ -29,7 +29,7 @@ def numbers(seed: int) -> np.ndarray:
 
 
 def casadi_split(z: np.ndarray) -> Split:
-    return Split(ca.DM(z.real), ca.DM(z.imag), _Casadi())
+    return Split(ca.DM(z.real), ca.DM(z.imag), Casadi())
 
 
 def real(value: Any) -> np.ndarray:
@@ -86,7 +86,7 @@ def test_modulus_and_real_part(split: Callable[[np.ndarray], Split]) -> None:
 
 def test_the_modulus_has_a_derivative_at_zero() -> None:
     x = ca.MX.sym("x")
-    slope = ca.Function("slope", [x], [ca.jacobian(abs(Split(x, 0 * x, _Casadi())), x)])
+    slope = ca.Function("slope", [x], [ca.jacobian(abs(Split(x, 0 * x, Casadi())), x)])
     assert float(slope(0.0)) == 0.0
     assert float(slope(-1.0)) == pytest.approx(-1.0)
 
@@ -97,7 +97,7 @@ def test_a_conjugated_product_would_be_seen() -> None:
             return super().__mul__(np.conj(other))
 
     z, w = numbers(1), numbers(2)
-    wrong = Conjugated(ca.DM(z.real), ca.DM(z.imag), _Casadi())
+    wrong = Conjugated(ca.DM(z.real), ca.DM(z.imag), Casadi())
     assert not np.allclose(complex_of(wrong * w), z * w)
 
 
