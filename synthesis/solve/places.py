@@ -17,7 +17,7 @@ from .split import Split
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FIRST_BACK_OFF = 1e-5
+FIRST_BACK_OFF = 3e-6
 SPREAD, DENSE, BAND = 16, 24, 12  # points of the first grid: over everything, around ω₀, and in the band
 ADDED, ADDED_BAND = 20, 8  # places for points where the constraints turn out to be tight
 
