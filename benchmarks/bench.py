@@ -55,6 +55,9 @@ def main() -> None:
     *bound, printed = timed(ROBIMP, "bound", ROOT / "examples" / "haninger2016.yaml", "--json")
     limit = json.loads(printed)
     print(f"\nbound, {limit['terms']} terms: {limit['omega_B']:.2f} rad/s in {_range(bound)}")
+    from scaling import report
+
+    print(f"\n{report()}")
     peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
     print(f"largest memory of any of these processes: {peak:.0f} MB")
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import platform
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str], None]
 
-BOUND_TERMS, MOST_TERMS = 40, 160
 FLOAT_DECADES = 1e9  # ratio of frequencies beyond which poles in floating point mean little
 VERDICT_CODE = {
     Outcome.PROVEN: ExitCode.PROVEN,
@@ -79,10 +78,19 @@ class Result:
         return (json.dumps(self.certificate, indent=1, ensure_ascii=False) + "\n").encode()
 
 
-def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: float | None = None) -> Result:
+def synthesize(
+    spec: Spec,
+    progress: Progress = lambda _: None,
+    *,
+    time_limit: float | None = None,
+    starts: Sequence[tuple[Polynomials, float]] = (),
+    shared: Shared | None = None,
+) -> Result:
     """Find (or take) a controller, prove every claim about it, have the proof re-checked, and simulate it.
 
-    time_limit [s] bounds the search. Raises: InfeasibleError with the constraint and frequency; UndecidedError when the
+    time_limit [s] bounds the search. starts: controllers of similar joints with their ω_B [rad/s]; a search that begins
+    there computes no bound. shared: what an earlier search on the same joint, of another order, has found.
+    Raises: InfeasibleError with the constraint and frequency; UndecidedError when the
     search ends without a proven controller; InputError for a controller that cannot be realized; RobimpError when
     prover, checker and simulation disagree.
     """
@@ -90,7 +98,9 @@ def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: f
     progress = demanding(progress)
     setting = setting_of(spec)
     if spec.controller.coefficients is None:
-        coefficients, limit = _search(setting, progress, None if time_limit is None else began + time_limit)
+        coefficients, limit = _search(
+            setting, progress, None if time_limit is None else began + time_limit, starts, shared
+        )
     else:
         coefficients, limit = spec.controller.coefficients, None
     C = realizable(setting, coefficients)
@@ -157,7 +167,21 @@ def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
     return C
 
 
-def _search(setting: Setting, progress: Progress, deadline: float | None) -> tuple[Polynomials, Bound | None]:
+@dataclass
+class Shared:
+    """What searches for controllers of several orders on one joint have in common: the bound, and lower orders."""
+
+    bound: Bound | None = None
+    known: dict[Any, Any] = field(default_factory=dict)
+
+
+def _search(
+    setting: Setting,
+    progress: Progress,
+    deadline: float | None,
+    starts: Sequence[tuple[Polynomials, float]],
+    shared: Shared | None,
+) -> tuple[Polynomials, Bound | None]:
     from .solve.bound import bound
     from .solve.infeasible import impossible
     from .solve.search import Search
@@ -165,16 +189,21 @@ def _search(setting: Setting, progress: Progress, deadline: float | None) -> tup
     reason = impossible(setting)
     if reason is not None:
         raise reason.error()
-    progress(f"bound: convex program with {BOUND_TERMS} terms")
-    limit = bound(setting, BOUND_TERMS)
+    shared = Shared() if shared is None else shared
+    if shared.bound is None and not starts:
+        shared.bound = bound(setting, progress=progress)
+    limit = shared.bound
     low, high = frequency_scale(setting)
-    expected = limit.omega_B if limit is not None else (low * high) ** 0.5
+    expected = limit.omega_B if limit is not None else max((w for _, w in starts), default=(low * high) ** 0.5)
     search = Search(
         setting,
         lambda c, omega_B: counterexamples(setting, setting.compensator(c), omega_B),
         expected,
         progress,
+        ideal=None if limit is None else limit.response,
         deadline=deadline,
+        starts=tuple(starts),
+        known=shared.known,
     )
     found = search.run()
     if found is None:
@@ -183,9 +212,9 @@ def _search(setting: Setting, progress: Progress, deadline: float | None) -> tup
             f"no controller of this structure was found that can be proven ({hint}); "
             "try another order, a smaller uncertainty, more damping in the impedance, or a larger attenuation"
         )
-    while limit is not None and limit.omega_B < found.candidate.omega_B:  # too few terms to bound this order
-        progress(f"bound: convex program with {2 * limit.terms} terms")
-        limit = bound(setting, 2 * limit.terms) if limit.terms < MOST_TERMS else None
+    if limit is not None and limit.omega_B < found.candidate.omega_B:  # too few terms, or a joint like no other
+        limit = bound(setting, 2 * limit.terms, progress)
+        limit = limit if limit is not None and limit.omega_B >= found.candidate.omega_B else None
     return found.candidate.coefficients, limit
 
 
@@ -200,5 +229,5 @@ def _recheck(certificate: dict[str, Any], claims: tuple[Claim, ...]) -> None:
 
 
 def _producer() -> dict[str, str]:
-    packages = {name: version(name) for name in ("python-flint", "casadi", "cvxpy", "clarabel", "numpy")}
+    packages = {name: version(name) for name in ("python-flint", "casadi", "clarabel", "numpy")}
     return {"robimp": version("robimp"), "python": platform.python_version(), **packages}

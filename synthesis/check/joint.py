@@ -7,6 +7,7 @@ from typing import Any
 from .cells import Cell, Ranges
 from .outcome import MISMATCH, demand
 from .polynomials import ONE, ZERO, Poly, decays_faster, norm2
+from .reader import FORMS
 
 Section = dict[str, Any]  # of the certificate
 Value = Any  # a Poly in s, or an Axis on a cell
@@ -182,7 +183,9 @@ def validate(certificate: Section, deadline: float) -> None:
     same = asked["coefficients"] is None or _monic((n, d)) == _monic(rational(asked["coefficients"]))
     demand(same, f"{place}: is not the one the specification gives", MISMATCH)
     demand(asked["order"] is None or order <= asked["order"], f"{place}: is above the specification's order", MISMATCH)
-    demand(asked["form"] is None or (len(n.c) <= 1 and len(d.c) == 3), f"{place}: is not of the form (23)", MISMATCH)
+    zeros, least, most, integral = FORMS.get(asked["form"], (len(n.c), 0, len(d.c), False))
+    fits = len(n.c) - 1 <= zeros and least <= len(d.c) - 1 <= most and (not integral or d.c[0] == 0)
+    demand(fits, f"{place}: is not of the form {asked['form']}", MISMATCH)
 
 
 def _monic(p: tuple[Poly, Poly]) -> tuple[Poly, Poly]:

@@ -14,6 +14,10 @@ from .outcome import UNREADABLE, CheckError, demand
 
 MAX_BYTES, MAX_DIGITS, MAX_DEGREE, MAX_CLAIMS, MAX_POINTS, MAX_DEPTH = 4_000_000, 2_000, 100, 64, 1_000, 12
 NUMBER = re.compile(r"(-?(?:0|[1-9][0-9]*))(?:/([1-9][0-9]*))?")
+# Forms of a controller: the most zeros, the least and most poles, and whether one of the poles is 0.
+FORMS = {"eq23": (0, 2, 2, False), "p": (0, 0, 0, False), "pi": (1, 1, 1, True)}
+FORMS |= {"lead-lag": (1, 0, 1, False), "pi-lead": (2, 1, 2, True)}
+FORMS |= {f"{k}-filtered": (z, low + 1, high + 1, i) for k, (z, low, high, i) in FORMS.items() if k != "eq23"}
 STRUCTURE = re.compile(rb'"(?:[^"\\]|\\.)*"|[\[\]{}]', re.DOTALL)
 
 
@@ -166,7 +170,7 @@ SPEC = {
     "controller": {
         "type": ("dob", "dynamic-feedback"),
         "order?": int,
-        "form?": ("eq23",),
+        "form?": tuple(FORMS),
         "coefficients?": RATIONAL,
         "filters?": {"force?": POSITIVE, "position?": POSITION, "derivative?": POSITIVE},
     },

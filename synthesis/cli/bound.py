@@ -13,12 +13,13 @@ from .common import Json, dumped, located, say
 
 def bound(
     spec: Annotated[Path, typer.Argument(metavar="SPEC", help="Specification file (YAML).")],
-    terms: Annotated[int, typer.Option(min=4, max=120, help="Functions in the basis of Q̃.")] = 40,
+    terms: Annotated[
+        int | None, typer.Option(min=16, max=200, help="Functions in the basis of Q̃; default: as many as it takes.")
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """The bandwidth no controller in the basis can beat, and which constraint sets it, where."""
-    from dataclasses import asdict
-
+    from ..interruption import demanding
     from ..pipeline import setting_of
     from ..report.progress import status_line
     from ..solve.bound import bound as convex_bound
@@ -30,12 +31,11 @@ def bound(
         reason = impossible(setting)
         if reason is not None:
             raise reason.error()
-        progress(f"convex program with {terms} terms")
-        limit = convex_bound(setting, terms)
+        limit = convex_bound(setting, terms, demanding(progress))
     if limit is None:
         raise UndecidedError(f"{spec}: no Q̃ in the basis satisfies the constraints, by the solver's word")
     if as_json:
-        say(dumped(asdict(limit)))
+        say(dumped(limit.to_json()))
         return
     from ..report.terminal import console, show_bound
 

@@ -57,6 +57,7 @@ def _robimp(
 def main() -> None:
     """Run the command of `sys.argv`; `--debug` shows the traceback of an error. Raises: SystemExit, always."""
     _prepare_streams()
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices are small: threads only wait for each other
     arguments = [argument for argument in sys.argv[1:] if argument != "--debug"]
     debug = len(arguments) < len(sys.argv) - 1
     if not debug:

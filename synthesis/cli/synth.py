@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import ExitCode, InputError, RobimpError
+from ..errors import ExitCode, InputError, RobimpError, UndecidedError
 from .common import Json, complain, dumped, finish, located, say
 
 if TYPE_CHECKING:
     from ..spec.model import Spec
 
 Specs = Annotated[list[Path], typer.Argument(metavar="SPEC...", help="Specification files (YAML).")]
+Orders = Annotated[
+    str | None, typer.Option(metavar="A:B", help="Search every order from A to B instead, each with its certificate.")
+]
 TimeLimit = Annotated[float | None, typer.Option(metavar="SECONDS", min=0.0, help="Stop searching after this long.")]
 
 
 def synth(
     specs: Specs,
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: out/NAME.")] = None,
+    orders: Orders = None,
     time_limit: TimeLimit = None,
     as_json: Json = False,
 ) -> None:
@@ -28,15 +33,74 @@ def synth(
     from ..storage import demand_writable
 
     loaded = [(path, load_spec(path)) for path in specs]
+    wanted = None if orders is None else [_of_orders(path, spec, orders) for path, spec in loaded]
     folders = _folders([spec for _, spec in loaded], output)
     for folder in folders:
         demand_writable(folder)
     codes = []
-    for (path, spec), folder in zip(loaded, folders, strict=True):
+    for index, ((path, spec), folder) in enumerate(zip(loaded, folders, strict=True)):
         for warning in spec_warnings(spec):
             complain(f"{path}: warning: {warning}")
-        codes.append(_synth_one(path, spec, folder, time_limit, as_json))
+        if wanted is None:
+            codes.append(_synth_one(path, spec, folder, time_limit, as_json))
+        else:
+            codes += _synth_orders(path, wanted[index], folder, time_limit, as_json)
     finish(codes)
+
+
+def _of_orders(path: Path, spec: Spec, orders: str) -> list[Spec]:
+    """The specification with each order of `A:B`. Raises: InputError."""
+    from ..spec.demands import ORDERS
+
+    low, high = ORDERS[spec.controller.type]
+    ends = orders.split(":")
+    if len(ends) != 2 or not all(end.isascii() and end.isdigit() for end in ends):
+        raise InputError(f"--orders: expected two orders A:B, such as 2:8; found '{orders:.40}'")
+    first, last = (int(end) for end in ends)
+    if not low <= first <= last <= high:
+        raise InputError(f"--orders: expected {low} ≤ A ≤ B ≤ {high}; found '{orders}'")
+    if spec.controller.coefficients is not None:
+        raise InputError(f"{path}: controller.coefficients: are given; --orders searches: write an order instead")
+    given = [spec.controller.model_copy(update={"order": n, "form": None}) for n in range(first, last + 1)]
+    return [spec.model_copy(update={"controller": controller}) for controller in given]
+
+
+def _synth_orders(
+    path: Path, specs: list[Spec], folder: Path, time_limit: float | None, as_json: bool
+) -> list[ExitCode]:
+    """One certificate for each order, bandwidth against order under the bound; an order without one does not stop."""
+    from ..pipeline import Shared, synthesize
+    from ..report.orders import OfOrder, figure, listed, show_orders
+    from ..report.progress import status_line
+    from ..storage import demand_writable, write_atomic
+
+    shared, rows, codes = Shared(), list[OfOrder](), list[ExitCode]()
+    for spec in specs:
+        order, began = spec.controller.order or 0, time.monotonic()
+        try:
+            with located(path), status_line() as progress:
+                progress(f"order {order}")
+                result = synthesize(spec, progress, time_limit=time_limit, shared=shared)
+        except UndecidedError as error:
+            rows.append(OfOrder(order, None, time.monotonic() - began, str(error)))
+            codes.append(error.exit_code)
+            continue
+        place = folder / f"order-{order}"
+        demand_writable(place)
+        write_atomic(place / "certificate.json", result.certificate_bytes())
+        rows.append(OfOrder(order, float(result.omega_B), time.monotonic() - began))
+        codes.append(result.exit_code)
+    limit = None if shared.bound is None else shared.bound.omega_B
+    write_atomic(folder / "orders.json", dumped(listed(rows, limit)).encode())
+    write_atomic(folder / "orders.svg", figure(rows, limit, specs[0].name))
+    if as_json:
+        say(dumped({"folder": str(folder), **listed(rows, limit)}))
+        return codes
+    from ..report.terminal import console
+
+    show_orders(rows, limit, console())
+    say(f"certificates: {folder}/order-*/certificate.json, figure: {folder / 'orders.svg'}")
+    return codes
 
 
 def _folders(specs: list[Spec], output: Path | None) -> list[Path]:

@@ -119,7 +119,8 @@ def decimal(value: Fraction) -> str:
 
 def show_bound(limit: Bound, to: Console) -> None:
     """The bound, what binds where, and what it leaves out."""
-    to.print(f"[bold]bound[/]  ω_B ≤ {limit.omega_B:.4g} rad/s with {limit.terms} terms (pole {limit.pole:.4g} rad/s)")
+    grown = "" if limit.growth is None else f"; enlarging the basis to them added {100 * limit.growth:.2g} %"
+    to.print(f"[bold]bound[/]  ω_B ≤ {limit.omega_B:.4g} rad/s with {limit.terms} terms{grown}")
     for name, omega in limit.binding:
         to.print(f"  {name} binds, most at {omega:.4g} rad/s")
     if limit.dropped:

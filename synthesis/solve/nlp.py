@@ -1,7 +1,8 @@
 """The structured controller by nonlinear programming: maximise log ω_B over its coefficients (CasADi, IPOPT).
 
-The band's grid is scaled by ω_B, so ω_B is a variable like the others. Nominal stability, free and locked, is part of
-the program: the first columns of both Routh tables stay positive.
+The band's grid is scaled by ω_B, so ω_B is a variable like the others. The grid itself is a parameter: one compiled
+program serves every grid, and its few points move to where the constraints are tight. Nominal stability, free and
+locked, is part of the program: the first columns of both Routh tables stay positive.
 """
 
 from __future__ import annotations
@@ -18,56 +19,27 @@ from ...models.closed_loop import Pencil
 from ...models.rational import RationalFunction, to_float
 from ..problem.constraints import constraints
 from ..problem.constraints.inequality import Constraint, Inequality, Role, Source, Variable
-from ..problem.grid import Evaluator, grid
+from ..problem.grid import Evaluator
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
+from .places import ADDED, ADDED_BAND, Casadi, Grids, Places, filled
 from .split import Split
 from .structure import Coefficients, Structure, convolve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FIRST_BACK_OFF = 1e-5
-BACK_OFF_GROWTH = 2.0
 LEAST_ROUTH = 1e-6  # first-column entries of Routh's table, in normalised frequency
 IPOPT: dict[str, Any] = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
     "print_time": 0,
-    "ipopt.max_iter": 200,
+    "ipopt.max_iter": 120,
     "ipopt.tol": 1e-6,
 }
 EXPLORING = {"ipopt.mu_strategy": "adaptive"}
 INTERRUPTED = ("NonIpopt_Exception_Thrown", "User_Requested_Stop")  # what CasADi makes of Ctrl-C
 REFINING = {"ipopt.mu_init": 1e-5, "ipopt.bound_push": 1e-8, "ipopt.bound_frac": 1e-8}  # stay near the start
-
-
-@dataclass(frozen=True)
-class Grids:
-    """Where the program looks. omega: fixed grid [rad/s]; band: fractions of ω_B; back_off: relative slack required."""
-
-    omega: NDArray[np.float64]
-    band: NDArray[np.float64]
-    back_off: float = FIRST_BACK_OFF
-
-    @classmethod
-    def of(cls, setting: Setting, omega_0: float, spread: int, dense: int, band: int) -> Grids:
-        """`spread` points over everything, `dense` ones around omega_0 [rad/s], `band` ones on [0, ω_B]."""
-        fractions = np.concatenate([[1e-4], np.linspace(0.03, 1, band)])
-        return cls(grid(setting, around=omega_0, spread=spread, dense=dense), fractions)
-
-    def refined(self, omega: Sequence[float], band: Sequence[float]) -> Grids:
-        """With further points, each with two neighbours, and a larger slack."""
-        return Grids(
-            np.unique(np.concatenate([self.omega, *(near(w) for w in omega)])),
-            np.unique(np.concatenate([self.band, *(np.minimum(near(u), 1.0) for u in band)])),
-            self.back_off * BACK_OFF_GROWTH,
-        )
-
-
-def near(x: float) -> NDArray[np.float64]:
-    """A point and its neighbours at 1 %."""
-    return x * np.array([0.99, 1.0, 1.01])
 
 
 @dataclass(frozen=True)
@@ -79,71 +51,128 @@ class Candidate:
     x: NDArray[np.float64]
 
 
-class _Casadi:
-    """Elementwise arithmetic on CasADi expressions; the modulus is smooth at 0."""
+@dataclass(frozen=True)
+class Rows:
+    """The rows of one inequality in the program: from `start`, one for each place of the grid or of the band."""
 
-    def multiply(self, a: Any, b: Any) -> Any:
-        return _column(a) * b
+    constraint: Constraint
+    start: int
+    count: int
 
-    def modulus(self, re: Any, im: Any) -> Any:
-        return ca.sqrt(re * re + im * im + 1e-14)
-
-    def exponential(self, re: Any, im: Any) -> tuple[Any, Any]:
-        return ca.exp(re) * ca.cos(im), ca.exp(re) * ca.sin(im)
-
-
-def _column(a: Any) -> Any:
-    return ca.DM(a) if isinstance(a, np.ndarray) else a
+    def inside(self, omega: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which frequencies lie in the constraint's own interval."""
+        low, high = self.constraint.band
+        everywhere = self.constraint.on_band
+        return np.full(omega.size, True) if everywhere else (omega >= float(low)) & (omega <= float(high or np.inf))
 
 
 class Program:
-    """The NLP of one setting and structure on given grids. omega_0 [rad/s] normalises s."""
+    """The NLP of one setting and structure. first: the grid it begins with; omega_0 [rad/s] normalises s."""
 
-    def __init__(
-        self, setting: Setting, structure: Structure, grids: Grids, omega_0: float, *, refining: bool = False
-    ) -> None:
+    def __init__(self, setting: Setting, structure: Structure, first: Grids, omega_0: float) -> None:
         self.setting, self.structure, self.omega_0 = setting, structure, omega_0
-        self.evaluator = Evaluator(setting, grids.omega)
+        self.places = Places(first.omega.size + ADDED)
         low, high = structure.bounds
         x, log_band = ca.MX.sym("x", low.size), ca.MX.sym("log_band")
-        parameters = [x[i] for i in range(low.size)]
-        self.num, self.den = structure.polynomials(parameters, exp=ca.exp)
-        rows, routh = [], []
+        band = ca.MX.sym("band", first.band.size + ADDED_BAND)
+        self.num, self.den = structure.polynomials([x[i] for i in range(low.size)], exp=ca.exp)
+        self.rows: list[Rows] = []
+        expressions, routh, start = [], [], 0
+        at_grid = Split(ca.MX(ca.DM.zeros(self.places.count)), self.places.omega, Casadi())
+        at_band = Split(ca.MX(ca.DM.zeros(band.shape[0])), band * ca.exp(log_band) * omega_0, Casadi())
         for vertex in setting.vertices():
-            required = [c for c in constraints(vertex) if c.required]
-            band, fixed = (
-                [(c, q) for c in required if c.on_band == on for q in c.inequalities] for on in (True, False)
-            )
-            rows += [self._on_band(vertex, c, q, log_band, grids.band) for c, q in band]
-            rows += [self._on_grid(vertex, c, q) for c, q in fixed]
+            X_grid = self._variables(vertex, at_grid, self.places.at)  # once: CasADi does not find what is common
+            X_band = self._variables(vertex, at_band, lambda r: r(at_band))
+            for c in (c for c in constraints(vertex) if c.required):
+                for inequality in c.inequalities:
+                    if c.on_band:
+                        expressions.append(self._on_band(vertex, c, inequality, X_band, at_band))
+                    else:
+                        expressions.append(self._on_grid(vertex, c, inequality, X_grid))
+                    self.rows.append(Rows(c, start, expressions[-1].shape[0]))
+                    start += self.rows[-1].count
             routh += [*self._routh(vertex.loop.locked()), *self._routh(vertex.loop.free(vertex.loop.nominal))]
-        g = ca.vertcat(*rows, *routh)
-        least = np.concatenate([np.full(g.shape[0] - len(routh), grids.back_off), np.full(len(routh), LEAST_ROUTH)])
-        self.arguments = {
-            "lbx": np.append(low, np.log(1e-3)),
-            "ubx": np.append(high, np.log(1e3)),
-            "lbg": least,
-            "ubg": np.full(least.size, np.inf),
+        self.bounds = {"lbx": np.append(low, np.log(1e-3)), "ubx": np.append(high, np.log(1e3))}
+        self.nlp = {
+            "x": ca.vertcat(x, log_band),
+            "p": ca.vertcat(*self.places.columns, band),
+            "f": -log_band,
+            "g": ca.vertcat(*expressions, *routh),
         }
-        nlp = {"x": ca.vertcat(x, log_band), "f": -log_band, "g": g}
-        self.solver = ca.nlpsol("synthesis", "ipopt", nlp, IPOPT | (REFINING if refining else EXPLORING))
-        self.slack = ca.Function("slack", [nlp["x"]], [g - ca.DM(least)])
+        self.slack = ca.Function("slack", [self.nlp["x"], self.nlp["p"]], [self.nlp["g"]])
+        self.solvers: dict[bool, Any] = {}
 
-    def violation(self, x: NDArray[np.float64], omega_B: float) -> float:
+    def solver(self, refining: bool) -> Any:
+        """IPOPT, prepared to explore from afar or to stay near its start."""
+        if refining not in self.solvers:
+            options = IPOPT | (REFINING if refining else EXPLORING)
+            self.solvers[refining] = ca.nlpsol("synthesis", "ipopt", self.nlp, options)
+        return self.solvers[refining]
+
+    def _placed(self, grids: Grids) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The program's parameters for a grid, and the least slack of each row: −∞ at places that are not used."""
+        omega, used = filled(grids.omega, grids.added, self.places.count)
+        band, used_band = filled(grids.band, grids.added_band, self.nlp["p"].shape[0] - self._columns)
+        least = np.full(self.nlp["g"].shape[0], LEAST_ROUTH)
+        for rows in self.rows:
+            active = used_band if rows.constraint.on_band else used & rows.inside(omega)
+            least[rows.start : rows.start + rows.count] = np.where(active, grids.back_off, -np.inf)
+        return np.concatenate([self.places.values(omega), band]), least
+
+    @property
+    def _columns(self) -> int:
+        return self.places.count * len(self.places.columns)
+
+    def violation(self, x: NDArray[np.float64], omega_B: float, grids: Grids) -> float:
         """Worst shortfall of any inequality at a start: how far the search begins from feasible."""
-        slack = np.array(self.slack(np.append(x, np.log(omega_B / self.omega_0)))).ravel()
-        return float(np.max(-slack)) if np.all(np.isfinite(slack)) else np.inf
+        p, least = self._placed(grids)
+        return self._shortfall(x, omega_B, p, least)
 
-    def solve(self, x: NDArray[np.float64], omega_B: float) -> Candidate | None:
+    def nearest(self, starts: Sequence[NDArray[np.float64]], omega_B: float, grids: Grids) -> list[NDArray[np.float64]]:
+        """Starts in the order of their violation."""
+        p, least = self._placed(grids)
+        return sorted(starts, key=lambda x: self._shortfall(x, omega_B, p, least))
+
+    def _shortfall(
+        self, x: NDArray[np.float64], omega_B: float, p: NDArray[np.float64], least: NDArray[np.float64]
+    ) -> float:
+        missing = least - np.array(self.slack(np.append(x, np.log(omega_B / self.omega_0)), p)).ravel()
+        return float(np.max(missing)) if not np.any(np.isnan(missing)) else np.inf
+
+    def solve(
+        self, x: NDArray[np.float64], omega_B: float, grids: Grids, *, refining: bool = False
+    ) -> Candidate | None:
         """Search from one start. Returns None when the solver does not end at a point it calls feasible."""
-        result = self.solver(x0=np.append(x, np.log(omega_B / self.omega_0)), **self.arguments)
-        solution, stats = np.array(result["x"]).ravel(), self.solver.stats()
+        p, least = self._placed(grids)
+        solver, start = self.solver(refining), np.append(x, np.log(omega_B / self.omega_0))
+        result = solver(x0=start, p=p, lbg=least, ubg=np.inf, **self.bounds)
+        solution, stats = np.array(result["x"]).ravel(), solver.stats()
         if stats["return_status"] in INTERRUPTED:
             raise KeyboardInterrupt
         if not stats["success"] or not np.all(np.isfinite(solution)):
             return None
         omega_B = float(np.exp(solution[-1]) * self.omega_0)
         return Candidate(self.structure.rounded(solution[:-1], self.omega_0), omega_B, solution[:-1])
+
+    def violated(self, candidate: Candidate, finer: Grids) -> tuple[list[float], list[float]]:
+        """Where a candidate falls short on a finer grid: frequencies [rad/s], and fractions of ω_B."""
+        at = np.append(candidate.x, np.log(candidate.omega_B / self.omega_0))
+        found: tuple[list[float], list[float]] = ([], [])
+        chunks = self.places.count, self.nlp["p"].shape[0] - self._columns
+        for on_band, points, places in ((False, finer.omega, chunks[0]), (True, finer.band, chunks[1])):
+            slack = []
+            for begin in range(0, points.size, places):
+                part = points[begin : begin + places]
+                given, _ = filled(part, (), places)
+                idle = np.full(chunks[0 if on_band else 1], 1.0)
+                p = np.concatenate([self.places.values(idle), given] if on_band else [self.places.values(given), idle])
+                slack.append(np.array(self.slack(at, p)).ravel())
+            for rows in (r for r in self.rows if r.constraint.on_band is on_band):
+                values = np.concatenate([g[rows.start : rows.start + rows.count] for g in slack])[: points.size]
+                values = np.where(rows.inside(points), values, np.inf)
+                lower = (values <= np.append(values[1:], np.inf)) & (values <= np.insert(values[:-1], 0, np.inf))
+                found[on_band].extend(float(w) for w in points[lower & (values < 0.0)])
+        return found
 
     def _compensator(self) -> tuple[Coefficients, Coefficients]:
         """Numerator and denominator of C: Q/(1−Q) or C_imp."""
@@ -165,29 +194,24 @@ class Program:
             Variable.COMMAND: CF / (1.0 + L),
         }
 
-    def _on_grid(self, setting: Setting, constraint: Constraint, inequality: Inequality) -> Any:
-        """Slack on the fixed grid, inside the constraint's own band, relative to the size of the right side."""
-        omega = self.evaluator.omega
-        low, high = constraint.band
-        omega = omega[(omega >= float(low)) & (omega <= (np.inf if high is None else float(high)))]
-        evaluator = Evaluator(setting, omega)
+    def _on_grid(
+        self, setting: Setting, constraint: Constraint, inequality: Inequality, X: dict[Variable, Split]
+    ) -> Any:
+        """Slack on the fixed grid, relative to the size of the right side."""
+        places, right_side = self.places, inequality.right
 
-        def at(r: RationalFunction) -> Any:
-            return r.at(omega)
+        def size(omega: NDArray[np.float64]) -> NDArray[np.float64]:
+            sizes = np.abs(right_side.constant.at(omega)) + np.abs(right_side.slope.at(omega))
+            return np.full_like(sizes, sizes.min()) if inequality.role is Role.FLOOR else sizes
 
-        s = Split(np.zeros_like(omega), omega, _Casadi())
-        X = self._variables(setting, Split(ca.DM(s.re), ca.DM(s.im), _Casadi()), at)[inequality.variable]
-        left, right = inequality.sides(float(constraint.level or 0), evaluator.radius(inequality.source), X, at)
-        size = np.abs(at(inequality.right.constant)) + np.abs(at(inequality.right.slope))
-        size = np.full_like(size, size.min()) if inequality.role is Role.FLOOR else size
-        return (_column(right) - _column(left)) / ca.DM(size)
+        W = places.real(lambda omega: Evaluator(setting, omega).radius(inequality.source))
+        left, right = inequality.sides(float(constraint.level or 0), W, X[inequality.variable], places.at)
+        return (right - left) / places.real(size)
 
     def _on_band(
-        self, setting: Setting, constraint: Constraint, inequality: Inequality, log_band: Any, band: NDArray[np.float64]
+        self, setting: Setting, constraint: Constraint, inequality: Inequality, X: dict[Variable, Split], s: Split
     ) -> Any:
         """Slack on [0, ω_B], the grid scaled by the variable ω_B, relative to the right side."""
-        omega = ca.DM(band) * ca.exp(log_band) * self.omega_0
-        s = Split(ca.MX(ca.DM.zeros(band.size)), omega, _Casadi())
 
         def at(r: RationalFunction) -> Any:
             return r(s)
@@ -197,8 +221,7 @@ class Program:
             weight, table = setting.uncertainty.weight, setting.uncertainty.table
             W = 0.0 if weight is None else abs(at(weight))
             W = W if table is None else W + (1 + W) * to_float(max(table.bound))
-        X = self._variables(setting, s, at)[inequality.variable]
-        left, right = inequality.sides(float(constraint.level or 0), W, X, at)
+        left, right = inequality.sides(float(constraint.level or 0), W, X[inequality.variable], at)
         return 1.0 - left / right
 
     def _routh(self, pencil: Pencil) -> list[Any]:

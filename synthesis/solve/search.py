@@ -1,10 +1,14 @@
-"""The search and its loop with the proof: solve on the grid, prove on the axis, add each refuting frequency, repeat."""
+"""The search and its loop with the proof: solve on the grid, prove on the axis, add each refuting frequency, repeat.
+
+Order by order: the optima of the next simpler structure, with a section added, are starts for the next; so is the
+bound's own Q̃, reduced to the order asked for; so are random points.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -13,22 +17,25 @@ from ..errors import UndecidedError
 from ..interruption import demand_none
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
-from .nlp import Candidate, Grids, Program
+from .nlp import Candidate, Program
+from .places import Grids
+from .reduction import Response, reduced
 from .structure import Structure, structure_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 SCALES = (1.0, 1 / 8, 1 / 64)  # of the expected bandwidth, tried in turn: a bound that nothing limits is far too high
-DRAWN = 300  # random points; of those without a simpler structure to start from, the nearest to feasible are used
-STARTS = 12
-FIRST_STARTS = 30
-AGREE = 5  # stop when this many starts end at the same best figure
-REFINED = 8  # distinct optima of the coarse grid that are carried to the fine one
-EXTENDED = 3  # of them, how many the next larger structure starts from
-COARSE = {"spread": 14, "dense": 20, "band": 10}
-FINE = {"spread": 40, "dense": 60, "band": 30}
-ROUNDS = 10
+DRAWN = 200  # random points, of which the nearest to feasible are used
+RANDOM, FIRST_RANDOM = 6, 30  # of those: beside other starts, and where nothing simpler was found
+EXTENDED = (0.99, 0.9, 0.95)  # parts of the simpler structure's ω_B at which its best three are extended
+REDUCED = 3  # random points from which the bound's Q̃ is approximated
+AGREE = 3  # stop when this many starts end at the same best figure
+KEPT = 4  # distinct optima that are kept
+FINER = 8  # the grid that optima are looked at between solutions
+EXCHANGES = 8
+ROUNDS = 12
+BACK_OFF_GROWTH = 1.5
 REACHED = 0.9995  # of the program's ω_B: what the proof has to reach
 
 
@@ -45,6 +52,7 @@ class Counterexample(Protocol):
 
 Refute = Callable[[Polynomials, float], Sequence[Counterexample]]  # coefficients, ω_B → () when all required is proven
 Progress = Callable[[str], None]
+Start = tuple["NDArray[np.float64]", float, bool]  # parameters, ω_B [rad/s], whether to stay near
 
 
 @dataclass(frozen=True)
@@ -57,83 +65,133 @@ class Found:
 
 
 @dataclass(frozen=True)
+class Optima:
+    """Of one structure: distinct candidates, best first, and the grid on which the best is tight."""
+
+    candidates: tuple[Candidate, ...]
+    grids: Grids
+
+
+@dataclass(frozen=True)
 class Search:
-    """One search: deterministic for a seed. omega_0: where the bandwidth is expected [rad/s]; refute: the prover."""
+    """One search: deterministic for a seed. omega_0: where the bandwidth is expected [rad/s]; refute: the prover.
+
+    ideal: a frequency response of Q̃ to begin from, the bound's. starts: controllers of similar joints with their ω_B
+    [rad/s], to begin from instead. known: optima of structures already searched, shared by searches of other orders.
+    """
 
     setting: Setting
     refute: Refute
     omega_0: float
     progress: Progress
+    ideal: Response | None = None
     seed: int = 0
     deadline: float | None = None  # of time.monotonic()
+    starts: tuple[tuple[Polynomials, float], ...] = ()
+    known: dict[tuple[Structure, float], Optima] = field(default_factory=dict)
 
     def run(self) -> Found | None:
         """Best controller of the specified structure that survives the proof; None when the search finds none."""
         for factor in SCALES:
-            structure: Structure | None = structure_of(self.setting.spec)
-            while structure is not None:  # a controller of lower order is one of this order, too
-                found = replace(self, omega_0=self.omega_0 * factor)._at_scale(structure)
-                if found is not None:
-                    return found
-                structure = structure.simpler
-        return None
-
-    def _at_scale(self, structure: Structure) -> Found | None:
-        coarse = self._candidates(structure, np.random.default_rng(self.seed))
-        if not coarse:
-            return None
-        grids = Grids.of(self.setting, self.omega_0, **FINE)
-        program = Program(self.setting, structure, grids, self.omega_0, refining=True)
-        refined = self._solve_all(program, [(c.x, 0.99 * c.omega_B) for c in coarse])
-        for candidate in _distinct(refined):
-            found = self._prove(structure, candidate, grids)
+            found = replace(self, omega_0=self.omega_0 * factor)._at_scale(structure_of(self.setting.spec))
             if found is not None:
                 return found
         return None
 
-    def _candidates(self, structure: Structure, rng: np.random.Generator) -> list[Candidate]:
-        """Distinct optima on the coarse grid, best first: from the simpler structure's, and from random starts where
-        those give none."""
-        found: list[Candidate] = []
-        grids = Grids.of(self.setting, self.omega_0, **COARSE)
-        program = Program(self.setting, structure, grids, self.omega_0)
-        if structure.simpler is not None:
-            below = self._candidates(structure.simpler, rng)[:EXTENDED]
-            self.progress(f"searching {structure}")
-            each = STARTS // max(1, len(below))
-            starts = [(structure.extended(c.x, rng), 0.95 * c.omega_B) for c in below for _ in range(each)]
-            found = self._solve_all(program, starts)
-            if not found:  # the starts are feasible: stay near them, and be at least as good as the simpler structure
-                near = Program(self.setting, structure, grids, self.omega_0, refining=True)
-                found = self._solve_all(near, starts)
-        if not found:
-            self.progress(f"searching {structure} from random starts")
-            omega_B = 0.1 * self.omega_0
-            drawn = [structure.start(rng) for _ in range(DRAWN)]
-            drawn.sort(key=lambda x: program.violation(x, omega_B))
-            found = self._solve_all(program, [(x, omega_B) for x in drawn[:FIRST_STARTS]])
-        return _distinct(found)[:REFINED]
+    def _at_scale(self, structure: Structure) -> Found | None:
+        if self.starts:
+            found = self._from_simple([structure])
+            if found is not None:
+                return found
+        chain = [structure]
+        while (simpler := chain[0].simpler) is not None:
+            chain.insert(0, simpler)
+        return replace(self, starts=())._from_simple(chain)
 
-    def _solve_all(self, program: Program, starts: list[tuple[NDArray[np.float64], float]]) -> list[Candidate]:
-        """Solve from every start, or until several agree on the best."""
-        found: list[Candidate] = []
-        for x, omega_B in starts:
+    def _from_simple(self, chain: list[Structure]) -> Found | None:
+        """Search structure after structure, each from the optima of the one before; prove the last one's."""
+        first = Grids.of(self.setting, self.omega_0)
+        optima = Optima((), first)
+        searched: list[tuple[Structure, Optima]] = []
+        for structure in chain:
+            key = structure, self.omega_0
+            if key not in self.known or self.starts:
+                self.progress(f"searching {structure}")
+                self.known[key] = self._optima(Program(self.setting, structure, first, self.omega_0), optima)
+            optima = self.known[key]
+            searched.append((structure, optima))
+        for structure, optima in reversed(searched):  # one of lower order is one of this order, too
+            for candidate in optima.candidates:
+                program = Program(self.setting, structure, first, self.omega_0)
+                found = self._prove(program, candidate, optima.grids)
+                if found is not None:
+                    return found
+        return None
+
+    def _optima(self, program: Program, below: Optima) -> Optima:
+        """Distinct optima of one structure, and the grid on which the best is tight."""
+        found: list[tuple[Candidate, Grids]] = []
+        ends: list[float] = []  # ω_B of every solution on the first grid, which flatters
+        best, end_of_best = 0.0, np.inf
+        for x, omega_B, near in self._starts(program, below):
             self._in_time()
-            candidate = program.solve(x, omega_B)
-            if candidate is not None:
-                found.append(candidate)
-            best = max((c.omega_B for c in found), default=0.0)
-            if sum(c.omega_B > 0.999 * best for c in found) >= AGREE:
+            explored = program.solve(x, omega_B, below.grids, refining=near)
+            if explored is None:
+                continue
+            seen = any(_same(explored.omega_B, end) for end in ends)
+            ends.append(explored.omega_B)
+            if explored.omega_B > best and not seen:
+                found += self._exchanged(program, explored, below.grids)
+                if found and found[-1][0].omega_B > best:
+                    best, end_of_best = found[-1][0].omega_B, explored.omega_B
+            if sum(_same(end, end_of_best) for end in ends) >= AGREE:
                 break
-        return found
+        found.sort(key=lambda pair: -pair[0].omega_B)
+        return Optima(_distinct([c for c, _ in found])[:KEPT], found[0][1] if found else below.grids)
 
-    def _in_time(self) -> None:
-        demand_none()  # CasADi's callbacks into Python swallow exceptions
-        if self.deadline is not None and time.monotonic() > self.deadline:
-            raise UndecidedError("out of time: no controller was proven within the time limit")
+    def _starts(self, program: Program, below: Optima) -> Iterator[Start]:
+        structure, rng = program.structure, np.random.default_rng(self.seed)
+        for coefficients, omega_B in self.starts:
+            response = Response.of(self.setting, coefficients, below.grids.omega)
+            x = reduced(program, response, structure.start(rng))
+            yield x, 0.95 * omega_B, True
+            yield x, 0.8 * omega_B, False
+        if self.ideal is not None and structure == structure_of(self.setting.spec):
+            for _ in range(REDUCED):
+                yield reduced(program, self.ideal, structure.start(rng)), 0.8 * self.omega_0, False
+        for share in EXTENDED:
+            for candidate in below.candidates[: len(EXTENDED)]:
+                yield structure.extended(candidate.x, rng), share * candidate.omega_B, True
+        omega_B = 0.1 * self.omega_0
+        drawn = program.nearest([structure.start(rng) for _ in range(DRAWN)], omega_B, below.grids)
+        for x in drawn[: RANDOM if below.candidates else FIRST_RANDOM]:
+            yield x, omega_B, False
 
-    def _prove(self, structure: Structure, candidate: Candidate, grids: Grids) -> Found | None:
-        """Counterexample loop: refuting frequencies join the grid with their neighbours, the slack required grows."""
+    def _exchanged(self, program: Program, candidate: Candidate, grids: Grids) -> list[tuple[Candidate, Grids]]:
+        """Solve again with the points of a finer grid where it falls short, until it does nowhere; [] if it cannot."""
+        finer, again = Grids.of(self.setting, self.omega_0, FINER), candidate
+        for _ in range(EXCHANGES):
+            omega, band = program.violated(again, finer)
+            if not omega and not band:
+                break
+            grids = grids.refined(omega, band)
+            solved = self._again(program, again, grids)
+            if solved is None:
+                return []
+            again = solved
+        return [(again, grids)]
+
+    def _again(self, program: Program, candidate: Candidate, grids: Grids) -> Candidate | None:
+        """Solve on another grid, near the last optimum if IPOPT can, else from it."""
+        for near in (True, False):
+            self._in_time()
+            again = program.solve(candidate.x, 0.99 * candidate.omega_B, grids, refining=near)
+            if again is not None:
+                return again
+        return None
+
+    def _prove(self, program: Program, candidate: Candidate, grids: Grids) -> Found | None:
+        """Counterexample loop: refuting frequencies join the grid, the slack required grows."""
         total = 0
         for rounds in range(1, ROUNDS + 1):
             self._in_time()
@@ -143,24 +201,30 @@ class Search:
             total += len(refuting)
             named = ", ".join(f"{c.id} at {c.omega:.4g}" for c in refuting[:3])
             self.progress(f"proof {rounds} fails: {named} rad/s; solving again")
-            grids = grids.refined(
+            grids = replace(grids, back_off=grids.back_off * BACK_OFF_GROWTH).refined(
                 [c.omega for c in refuting if not c.on_band and 0 < c.omega < np.inf],
                 [c.omega / candidate.omega_B for c in refuting if c.on_band],
             )
-            for refining in (True, False):  # near the last optimum if IPOPT can, else from it
-                program = Program(self.setting, structure, grids, self.omega_0, refining=refining)
-                again = program.solve(candidate.x, candidate.omega_B)
-                if again is not None:
-                    break
-            else:
+            again = self._again(program, candidate, grids)
+            exchanged = [] if again is None else self._exchanged(program, again, grids)
+            if not exchanged:
                 return None
-            candidate = again
+            candidate, grids = exchanged[0]
         return None
 
+    def _in_time(self) -> None:
+        demand_none()  # CasADi's callbacks into Python swallow exceptions
+        if self.deadline is not None and time.monotonic() > self.deadline:
+            raise UndecidedError("out of time: no controller was proven within the time limit")
 
-def _distinct(candidates: list[Candidate]) -> list[Candidate]:
+
+def _same(one: float, other: float) -> bool:
+    return abs(one - other) < 1e-3 * other
+
+
+def _distinct(candidates: list[Candidate]) -> tuple[Candidate, ...]:
     kept: list[Candidate] = []
-    for c in sorted(candidates, key=lambda c: -c.omega_B):
+    for c in candidates:
         if not kept or c.omega_B < 0.999 * kept[-1].omega_B:
             kept.append(c)
-    return kept
+    return tuple(kept)

@@ -1,15 +1,15 @@
 """Controller structures: which numbers are searched, where the search starts, and what polynomials they stand for.
 
 Everything is in the normalised variable p = s/ω₀. A structure is one class: adding one is the class, its test, and its
-line in `structure_of`.
+line in `FORMS`.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 DIGITS = 6  # significant digits that coefficients are rounded to before anything is certified
-LEAST_DAMPING, MOST_DAMPING = 0.05, 5.0  # of the sections of Q; more damping is a pole far beyond the actuator
+LEAST_DAMPING, MOST_DAMPING = 0.05, 5.0  # of pairs of poles; more damping is a pole far beyond the actuator
+FAR, ZEROS = float(np.log(100.0)), 100.0  # poles within a factor 100 of ω₀; bounds on the coefficients of zeros
 
 Coefficients = list[Any]  # descending powers; floats or symbolic expressions
 
@@ -65,97 +66,171 @@ def _in_s(coefficients: Coefficients, top: int, omega_0: float) -> tuple[Fractio
 
 
 @dataclass(frozen=True)
-class QFilter(Structure):
-    """Q of any order ≥ 2 and relative degree 2: second-order sections (log ω, ζ), a real pole if odd, free zeros.
+class Sections(Structure):
+    """Poles and zeros as first- and second-order sections and the gain at s = 0, which keeps every order well scaled.
 
-    Order 2 is the paper's (23), `α ω²/(s² + 2ζω s + ω²)`.
+    x: log ω of each pair of poles, their ζ, log of the real pole if the order is odd, the gain, then for each pair of
+    zeros `b₂p² + b₁p + 1` its b₁ and b₂, and for a single zero `b₁p + 1` its b₁.
     """
 
     order: int
 
+    least_order: ClassVar[int]
+    relative_degree: ClassVar[int]
+    gains: ClassVar[tuple[float, float]]  # bounds of the parameter that stands for the gain
+
+    @abstractmethod
+    def gain(self, parameter: Any, exp: Any) -> Any:
+        """Value at s = 0."""
+
+    @abstractmethod
+    def first_gain(self, rng: np.random.Generator) -> float:
+        """The gain's parameter at a random start."""
+
     @property
-    def simpler(self) -> QFilter | None:
+    def simpler(self) -> Sections | None:
         """One section less, or without the real pole."""
         step = 1 if self.order % 2 else 2
-        return QFilter(self.order - step) if self.order > 2 else None
+        return type(self)(self.order - step) if self.order - step >= self.least_order else None
 
     def extended(self, x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-        """Multiply Q by a random section (or real pole) over itself: the same Q, free to move from there."""
-        omega, zeta = rng.uniform(-1, 2), rng.uniform(0.2, 1.0)
+        """Multiply by a random section (or real pole) over itself: the same controller, free to move from there."""
+        log_omega, zeta = rng.uniform(-1, 2.5), rng.uniform(LEAST_DAMPING, 1.0)
+        n = self.order // 2
         if self.order % 2:
-            n = self._sections
-            zeros = convolve(list(x[2 * n :]), [1.0, np.exp(omega)])
-            return np.array([*x[: 2 * n], omega, *zeros])
-        n = self._sections - 1
-        zeros = convolve(list(x[2 * n :]), [1.0, 2 * zeta * np.exp(omega), np.exp(2 * omega)])
-        return np.array([*x[:n], omega, *x[n : 2 * n], zeta, *zeros])
-
-    @property
-    def _sections(self) -> int:
-        return self.order // 2
+            return np.array([*x[: 2 * n], log_omega, *x[2 * n :], np.exp(-log_omega)])
+        pair = 2 * zeta * np.exp(-log_omega), np.exp(-2 * log_omega)
+        return np.array([*x[: n - 1], log_omega, *x[n - 1 : 2 * n - 2], zeta, *x[2 * n - 2 :], *pair])
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """See `Structure`."""
-        n, odd, zeros = self._sections, self.order % 2, self.order - 1
-        far, free = np.log(100.0), 10.0 ** max(4, self.order)  # holds every start
-        low = [-far] * n + [LEAST_DAMPING] * n + [-far] * odd + [-free] * zeros
-        high = [far] * n + [MOST_DAMPING] * n + [far] * odd + [free] * zeros
+        n, odd, zeros = self.order // 2, self.order % 2, self.order - self.relative_degree
+        low = [-FAR] * n + [LEAST_DAMPING] * n + [-FAR] * odd + [self.gains[0]] + [-ZEROS] * zeros
+        high = [FAR] * n + [MOST_DAMPING] * n + [FAR] * odd + [self.gains[1]] + [ZEROS] * zeros
         return np.array(low), np.array(high)
 
     def start(self, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Poles around ω₀, zeros such that Q starts as a multiple below 1 of an all-pole low-pass."""
-        n, odd = self._sections, self.order % 2
+        """Poles and zeros around and above ω₀."""
+        n, odd, zeros = self.order // 2, self.order % 2, self.order - self.relative_degree
         poles = np.concatenate([rng.uniform(-1, 2, n), rng.uniform(0.2, 1.0, n), rng.uniform(-1, 2, odd)])
-        _, den = self.polynomials(np.concatenate([poles, np.zeros(self.order - 1)]))
-        return np.concatenate([poles, np.array(den[2:], dtype=float) * rng.uniform(0.2, 0.9)])
+        inverse, damping = np.exp(rng.uniform(-2, 0.5, (zeros + 1) // 2)), rng.uniform(0.2, 1.0, (zeros + 1) // 2)
+        pairs = np.stack([2 * damping * inverse, inverse**2], axis=1).ravel()[:zeros]
+        return np.concatenate([poles, [self.first_gain(rng)], pairs])
 
     def polynomials(self, x: Any, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
         """See `Structure`."""
-        n, odd = self._sections, self.order % 2
+        n, odd, zeros = self.order // 2, self.order % 2, self.order - self.relative_degree
         den: Coefficients = [1.0]
         for i in range(n):
             omega = exp(x[i])
             den = convolve(den, [1.0, 2 * x[n + i] * omega, omega * omega])
         if odd:
             den = convolve(den, [1.0, exp(x[2 * n])])
-        return [x[2 * n + odd + k] for k in range(self.order - 1)], den
+        at = 2 * n + odd
+        num = [self.gain(x[at], exp) * den[-1]]
+        for i in range(at + 1, at + zeros, 2):
+            num = convolve(num, [x[i + 1], x[i], 1.0])
+        return (convolve(num, [x[at + zeros], 1.0]) if zeros % 2 else num), den
+
+
+class QFilter(Sections):
+    """Q of order ≥ 2 and relative degree 2. Order 2 is the paper's (23), `α ω²/(s² + 2ζω s + ω²)`."""
+
+    least_order = 2
+    relative_degree = 2
+    gains = (0.0, 2.0)
+
+    def gain(self, parameter: Any, exp: Any) -> Any:
+        """`Q(0)`, which may be 1."""
+        return parameter
+
+    def first_gain(self, rng: np.random.Generator) -> float:
+        """Below 1."""
+        return rng.uniform(0.2, 0.9)
+
+
+class Feedback(Sections):
+    """`C_imp` of (20), proper, of any order; order 0 is a gain."""
+
+    least_order = 0
+    relative_degree = 0
+    gains = (-np.log(1e4), np.log(1e6))
+
+    def gain(self, parameter: Any, exp: Any) -> Any:
+        """`C(0) > 0`."""
+        return exp(parameter)
+
+    def first_gain(self, rng: np.random.Generator) -> float:
+        """Of order one."""
+        return float(np.log(rng.uniform(0.1, 3.0)))
 
 
 @dataclass(frozen=True)
-class Feedback(Structure):
-    """`C_imp` of (20): a gain (order 0) or `(b₁ s + b₀)/(s + a)` (order 1)."""
+class Classical(Structure):
+    """`C_imp = k·(1 + ω_i/s)·(1 + s/ω_z)/(1 + s/ω_p)·1/(1 + s/ω_f)`: gain, integrator, lead or lag, filter.
 
-    order: int
+    x: the logarithms of k and of the frequencies of the factors it has.
+    """
+
+    integral: bool = False
+    lead: bool = False
+    filtered: bool = False
+
+    @property
+    def simpler(self) -> Classical | None:
+        """The same without the lead."""
+        return replace(self, lead=False) if self.lead else None
+
+    def extended(self, x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+        """With a lead whose pole cancels its zero."""
+        at = 1 + self.integral
+        return np.array([*x[:at], *[rng.uniform(-1, 3)] * 2, *x[at:]])
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """See `Structure`."""
-        if self.order == 0:
-            return np.array([0.0]), np.array([1e4])
-        return np.array([-np.log(1e3), -1e4, 0.0]), np.array([np.log(1e3), 1e4, 1e6])
+        corners = self.integral + 2 * self.lead + self.filtered
+        return (
+            np.array([Feedback.gains[0]] + [-FAR] * corners),
+            np.array([Feedback.gains[1]] + [FAR] * corners),
+        )
 
     def start(self, rng: np.random.Generator) -> NDArray[np.float64]:
-        """A gain of order one; with a pole around ω₀."""
-        gain = rng.uniform(0.1, 3.0)
-        if self.order == 0:
-            return np.array([gain])
-        pole = rng.uniform(-2, 2)
-        return np.array([pole, 0.1 * gain, gain * np.exp(pole)])
+        """A gain of order one; the integrator acts below ω₀, the others above."""
+        above = rng.uniform(0, 3, 2 * self.lead + self.filtered)
+        return np.concatenate([[np.log(rng.uniform(0.1, 3.0))], rng.uniform(-3, 0, self.integral * 1), above])
 
     def polynomials(self, x: Any, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
         """See `Structure`."""
-        if self.order == 0:
-            return [x[0]], [1.0]
-        return [x[1], x[2]], [1.0, exp(x[0])]
+        corners = [exp(x[i]) for i in range(1, self.bounds[0].size)]
+        num: Coefficients = [exp(x[0])]
+        den: Coefficients = [1.0]
+        if self.integral:
+            num, den = convolve(num, [1.0, corners.pop(0)]), [1.0, 0.0]
+        if self.lead:
+            zero, pole = corners.pop(0), corners.pop(0)
+            num, den = convolve(num, [pole / zero, pole]), convolve(den, [1.0, pole])
+        if self.filtered:
+            num, den = convolve(num, [corners[0]]), convolve(den, [1.0, corners[0]])
+        return num, den
+
+
+FORMS: dict[str, Structure] = {"eq23": QFilter(2)}
+"""What `controller.form` may ask for."""
+FORMS |= {
+    name + ending: Classical("pi" in name, "lead" in name, bool(ending))
+    for name in ("p", "pi", "lead-lag", "pi-lead")
+    for ending in ("", "-filtered")
+}
 
 
 def structure_of(spec: Spec) -> Structure:
     """The structure a specification asks for; it has `order` or `form`."""
     controller = spec.controller
-    if controller.type == "dynamic-feedback":
-        return Feedback(controller.order or 0)
-    return QFilter(2 if controller.form == "eq23" else controller.order or 2)
+    if controller.form is not None:
+        return FORMS[controller.form]
+    return (QFilter if controller.type == "dob" else Feedback)(controller.order or 0)
 
 
 def convolve(p: Coefficients, q: Coefficients) -> Coefficients:

@@ -7,6 +7,7 @@ from typing import Literal, cast
 
 from .fields import above, described, entries, integer, non_negative, polynomials, require, word
 from .model import (
+    FORMS,
     Constraints,
     Controller,
     Eq9,
@@ -23,7 +24,8 @@ from .ranges import interval
 from .tree import Node, Scalar
 from .units import FREQUENCY, RATIO, Mechanics
 
-_ORDERS = {"dob": (2, 8), "dynamic-feedback": (0, 1)}
+ORDERS = {"dob": (2, 8), "dynamic-feedback": (0, 8)}
+"""Least and greatest order of a controller that is searched, by type."""
 _CHOICES = ("order", "form", "coefficients")
 _FLOAT32 = Fraction(1, 2**24)  # half a unit in the last place: what rounding to single precision changes at most
 
@@ -31,18 +33,18 @@ _FLOAT32 = Fraction(1, 2**24)  # half a unit in the last place: what rounding to
 def controller(node: Node) -> Controller:
     """A controller to find (`order`, `form`) or one to certify (`coefficients`)."""
     section = entries(node, ("type",), (*_CHOICES, "filters"))
-    kind = cast(Literal["dob", "dynamic-feedback"], word(section["type"], *_ORDERS))
+    kind = cast(Literal["dob", "dynamic-feedback"], word(section["type"], *ORDERS))
     given = [key for key in _CHOICES if key in section]
     found = " and ".join(given) or "none"
     require(len(given) == 1, f"expected exactly one of order, form, coefficients; found {found}", node.where)
     if "form" in section:
-        word(section["form"], "eq23")
-        message = "the form eq23 is a Q-filter, for type: dob; give an order instead"
-        require(kind == "dob", message, section["form"].where)
+        form = word(section["form"], *(form for forms in FORMS.values() for form in forms))
+        message = f"the form {form} is not one of type: {kind}, whose forms are {', '.join(FORMS[kind])}"
+        require(form in FORMS[kind], message, section["form"].where)
     return Controller(
         type=kind,
         order=_order(section["order"], kind) if "order" in section else None,
-        form="eq23" if "form" in section else None,
+        form=word(section["form"], *FORMS[kind]) if "form" in section else None,
         coefficients=_given(section["coefficients"], kind) if "coefficients" in section else None,
         filters=_filters(section["filters"]) if "filters" in section else Filters(),
     )
@@ -82,8 +84,8 @@ def constraints(node: Node, units: Mechanics, uncertainty: Uncertainty | None) -
 
 
 def _order(node: Node, kind: str) -> int:
-    low, high = _ORDERS[kind]
-    what = {"dob": "an order of Q from 2 to 8", "dynamic-feedback": "an order of C_imp of 0 (P) or 1"}[kind]
+    low, high = ORDERS[kind]
+    what = {"dob": "an order of Q from 2 to 8", "dynamic-feedback": "an order of C_imp from 0 (P) to 8"}[kind]
     order = integer(node, what)
     require(low <= order <= high, f"expected {what}; found {described(node)}", node.where)
     return order

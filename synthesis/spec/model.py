@@ -157,12 +157,18 @@ class Filters(Section):
     derivative: Fraction | None = None
 
 
+FORMS = {"dob": ("eq23",), "dynamic-feedback": ("p", "pi", "lead-lag", "pi-lead")}
+FILTERED = "-filtered"
+FORMS["dynamic-feedback"] += tuple(f"{form}{FILTERED}" for form in FORMS["dynamic-feedback"])
+"""Forms by type: (23); C_imp as gain, with integrator, lead or lag, each also with a low-pass whose corner is free."""
+
+
 class Controller(Section):
     """Which controller to find (`order` or `form`) or to certify (`coefficients`)."""
 
     type: Literal["dob", "dynamic-feedback"]
     order: int | None = None
-    form: Literal["eq23"] | None = None
+    form: str | None = None
     coefficients: Polynomials | None = None
     filters: Filters = Filters()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from .model import FORMS
 from .schema_terms import (
     Schema,
     mechanical,
@@ -30,8 +31,12 @@ def controller() -> Schema:
         },
     )
     choices: Schema = {
-        "order": {"type": "integer", "minimum": 0, "maximum": 8, "description": "of Q (2 to 8) or C_imp (0 or 1)"},
-        "form": words("the paper's (23), for type: dob", "eq23"),
+        "order": {"type": "integer", "minimum": 0, "maximum": 8, "description": "of Q (2 to 8) or C_imp (0 to 8)"},
+        "form": words(
+            "type dob: the paper's (23); dynamic-feedback: k, k(1+ω_i/s), k(1+s/ω_z)/(1+s/ω_p), "
+            "k(1+ω_i/s)(1+s/ω_z)/(1+s/ω_p), and each times 1/(1+s/ω_f), a sensor filter with a free corner",
+            *(form for forms in FORMS.values() for form in forms),
+        ),
         "coefficients": polynomials("a given Q or C_imp to certify"),
     }
     whole = section(

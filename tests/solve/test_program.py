@@ -13,7 +13,8 @@ from robimp.models.closed_loop import Pencil
 from robimp.models.rational import descending
 from robimp.synthesis.certificate.hurwitz import is_hurwitz
 from robimp.synthesis.problem.setting import Setting
-from robimp.synthesis.solve.nlp import FIRST_BACK_OFF, Candidate, Grids, Program
+from robimp.synthesis.solve.nlp import Candidate, Program
+from robimp.synthesis.solve.places import ADDED, FIRST_BACK_OFF, Grids
 from robimp.synthesis.solve.structure import structure_of
 from robimp.synthesis.spec import parse_spec
 
@@ -24,7 +25,7 @@ CONTROLLERS = {
     "order 3": "{type: dob, order: 3}",
     "order 4": "{type: dob, order: 4}",
     "order 5, filtered": "{type: dob, order: 5, filters: {force: 100, derivative: 1000}}",
-    "P": "{type: dynamic-feedback, order: 0}",
+    "P": "{type: dynamic-feedback, order: 0, filters: {force: 100}}",
     "PI, filtered twice": (
         "{type: dynamic-feedback, order: 1, filters: {force: 100, position: none, derivative: 1000}}"
     ),
@@ -35,9 +36,11 @@ def good(controller: str) -> Setting:
     return Setting.of(parse_spec(GOOD.replace("{type: dob, order: 4}", CONTROLLERS[controller])))
 
 
+FEW = Grids(np.geomspace(0.1, 1000, 5), np.array([0.1, 1.0]))
+
+
 def small(setting: Setting, omega_0: float) -> Program:
-    grids = Grids.of(setting, omega_0, spread=3, dense=2, band=2)
-    return Program(setting, structure_of(setting.spec), grids, omega_0)
+    return Program(setting, structure_of(setting.spec), FEW, omega_0)
 
 
 def routh(program: Program, pencil: Pencil) -> ca.Function:
@@ -73,7 +76,7 @@ def test_a_column_without_its_last_entry_would_be_caught() -> None:
     setting = good("order 2")
     pencil = setting.loop.locked()
     column = routh(small(setting, 25.0), pencil)
-    x = np.array([0.0, 0.7, 40.0])  # Q(0) = 40: C = Q/(1−Q) has negative gain
+    x = np.array([0.0, 0.7, 40.0])  # α = Q(0) = 40: C = Q/(1−Q) has negative gain
     entries = np.array(column(x)).ravel()
     assert not np.all(entries > 0)
     assert not is_hurwitz(pencil(setting.compensator(structure_of(setting.spec).rounded(x, 25.0))))
@@ -89,9 +92,10 @@ def slow_torque_loop(order: int) -> Setting:
 def candidates(setting: Setting, omega_0: float, starts: int) -> list[Candidate]:
     """What the program finds on a coarse grid from its best random starts."""
     structure, rng = structure_of(setting.spec), np.random.default_rng(0)
-    program = Program(setting, structure, Grids.of(setting, omega_0, spread=14, dense=20, band=10), omega_0)
-    drawn = sorted((structure.start(rng) for _ in range(100)), key=lambda x: program.violation(x, 0.1 * omega_0))
-    found = [program.solve(x, 0.1 * omega_0) for x in drawn[:starts]]
+    grids = Grids.of(setting, omega_0)
+    program = Program(setting, structure, grids, omega_0)
+    drawn = program.nearest([structure.start(rng) for _ in range(100)], 0.1 * omega_0, grids)
+    found = [program.solve(x, 0.1 * omega_0, grids) for x in drawn[:starts]]
     return [candidate for candidate in found if candidate is not None]
 
 
@@ -108,7 +112,7 @@ def test_only_rouths_rows_keep_the_search_among_stable_loops(monkeypatch: pytest
     best = max(candidate.omega_B for candidate in found)
 
     monkeypatch.setattr(Program, "_routh", lambda self, pencil: [1.0])
-    unguarded = candidates(setting, 13.0, 8)
+    unguarded = candidates(setting, 13.0, 25)
     unstable = [candidate for candidate in unguarded if not stable(setting, candidate)]
     assert unstable, "without the rows nothing unstable is found either: they would be superfluous"
     assert max(candidate.omega_B for candidate in unstable) > 3 * best, "and it looks far better than the truth"
@@ -117,24 +121,26 @@ def test_only_rouths_rows_keep_the_search_among_stable_loops(monkeypatch: pytest
 def test_a_start_that_satisfies_everything_has_no_violation() -> None:
     """The paper's Q on the reference joint, at its own ω_B and a little beyond."""
     setting, omega_0 = good("order 2"), 10.0
-    grids = Grids.of(setting, omega_0, spread=30, dense=30, band=10)
+    grids = Grids.of(setting, omega_0, finer=2)
     program = Program(setting, structure_of(setting.spec), grids, omega_0)
-    x = np.array([np.log(50 / omega_0), 0.7075, 2000 / omega_0**2])
-    assert program.violation(x, 8.8) <= 0
-    assert program.violation(x, 9.0) > FIRST_BACK_OFF
-    assert program.violation(x * np.nan, 8.8) == np.inf
+    x = np.array([np.log(50 / omega_0), 0.7075, 0.8])
+    assert program.violation(x, 8.8, grids) <= 0
+    assert program.violation(x, 9.0, grids) > FIRST_BACK_OFF
+    assert program.violation(x * np.nan, 8.8, grids) == np.inf
 
 
 def test_a_solution_is_feasible_inside_the_bounds_and_could_not_be_faster() -> None:
     setting, omega_0 = good("order 2"), 13.0
     structure, rng = structure_of(setting.spec), np.random.default_rng(0)
-    program = Program(setting, structure, Grids.of(setting, omega_0, spread=14, dense=20, band=10), omega_0)
-    drawn = sorted((structure.start(rng) for _ in range(40)), key=lambda x: program.violation(x, 1.3))
-    found = next(c for c in (program.solve(x, 1.3) for x in drawn) if c is not None and c.omega_B > 13)
+    grids = Grids.of(setting, omega_0)
+    program = Program(setting, structure, grids, omega_0)
+    drawn = program.nearest([structure.start(rng) for _ in range(40)], 1.3, grids)
+    found = next(c for c in (program.solve(x, 1.3, grids) for x in drawn) if c is not None and c.omega_B > 13)
     assert found.omega_B < 14
     low, high = structure.bounds
     assert np.all(low - 1e-6 <= found.x) and np.all(found.x <= high + 1e-6)
-    assert program.violation(found.x, found.omega_B) < 1e-5 < program.violation(found.x, 1.01 * found.omega_B)
+    assert program.violation(found.x, found.omega_B, grids) < 1e-5
+    assert program.violation(found.x, 1.01 * found.omega_B, grids) > 1e-5
 
 
 class Answer:
@@ -152,29 +158,59 @@ class Answer:
 
 def test_the_solvers_word_is_not_enough() -> None:
     program, start = small(good("P"), 10.0), np.array([1.0])
-    program.solver = Answer([2.0, 0.5], success=True)
-    found = program.solve(start, 5.0)
+    program.solvers[False] = Answer([0.7, 0.5], success=True)
+    found = program.solve(start, 5.0, FEW)
     assert found is not None and found.omega_B == pytest.approx(10 * np.exp(0.5))
-    for answer in ([np.nan, 0.5], [2.0, np.nan], [np.inf, 0.5]):
-        program.solver = Answer(answer, success=True)
-        assert program.solve(start, 5.0) is None
-    program.solver = Answer([2.0, 0.5], success=False)
-    assert program.solve(start, 5.0) is None
+    for answer in ([np.nan, 0.5], [0.7, np.nan], [np.inf, 0.5]):
+        program.solvers[False] = Answer(answer, success=True)
+        assert program.solve(start, 5.0, FEW) is None
+    program.solvers[False] = Answer([0.7, 0.5], success=False)
+    assert program.solve(start, 5.0, FEW) is None
 
 
 def test_a_keyboard_interrupt_that_the_solver_swallowed_is_raised_again() -> None:
     program = small(good("P"), 10.0)
-    program.solver = Answer([2.0, 0.5], success=False, status="NonIpopt_Exception_Thrown")
+    program.solvers[False] = Answer([0.7, 0.5], success=False, status="NonIpopt_Exception_Thrown")
     with pytest.raises(KeyboardInterrupt):
-        program.solve(np.array([1.0]), 5.0)
-    program.solver = Answer([2.0, 0.5], success=False, status="Infeasible_Problem_Detected")
-    assert program.solve(np.array([1.0]), 5.0) is None
+        program.solve(np.array([1.0]), 5.0, FEW)
+    program.solvers[False] = Answer([0.7, 0.5], success=False, status="Infeasible_Problem_Detected")
+    assert program.solve(np.array([1.0]), 5.0, FEW) is None
 
 
-def test_refining_adds_points_with_neighbours_and_slack() -> None:
-    grids = Grids(np.array([1.0, 10.0]), np.array([0.1, 1.0]))
-    finer = grids.refined([5.0], [0.5, 1.0])
-    np.testing.assert_allclose(finer.omega, [1.0, 4.95, 5.0, 5.05, 10.0])
-    np.testing.assert_allclose(finer.band, [0.1, 0.495, 0.5, 0.505, 0.99, 1.0])
-    assert finer.band.max() <= 1, "nothing beyond ω_B"
-    assert finer.back_off > grids.back_off
+def test_refining_adds_points_and_the_oldest_make_room() -> None:
+    finer = FEW.refined([5.0], [0.5, 1.0])
+    assert finer.added == (5.0,) and finer.added_band == (0.5, 1.0)
+    assert np.array_equal(finer.omega, FEW.omega) and finer.back_off == FEW.back_off
+    full = finer.refined([float(w) for w in range(10, 10 + ADDED)], [])
+    assert len(full.added) == ADDED and 5.0 not in full.added
+    assert finer.refined([5.0], []).added == (5.0,), "a point that is there already takes no place"
+
+
+def test_one_program_serves_every_grid() -> None:
+    """The slack at points that were added is that of a program built with them; unused places ask for nothing."""
+    setting, omega_0 = good("order 4"), 25.0
+    structure, rng = structure_of(setting.spec), np.random.default_rng(5)
+    narrow = Grids(np.array([20.0, 30.0]), np.array([0.5, 1.0]))
+    wide = Grids(np.array([20.0, 30.0, 55.0, 90.0]), np.array([0.5, 0.8, 1.0]))
+    one, other = (Program(setting, structure, grids, omega_0) for grids in (narrow, wide))
+    seen = 0
+    for _ in range(20):
+        x = structure.start(rng)
+        added = one.violation(x, 20.0, narrow.refined([55.0, 90.0], [0.8]))
+        assert added == pytest.approx(other.violation(x, 20.0, wide), rel=1e-9)
+        seen += one.violation(x, 20.0, narrow) < added - 1e-6
+    assert seen >= 3, "the added points never matter"
+
+
+def test_a_finer_grid_shows_where_a_candidate_falls_short() -> None:
+    setting, omega_0 = good("order 2"), 13.0
+    structure = structure_of(setting.spec)
+    x = np.array([np.log(50 / omega_0), 0.7075, 0.8])
+    program, finer = Program(setting, structure, FEW, omega_0), Grids.of(setting, omega_0, 4)
+    shipped = structure.rounded(x, omega_0)
+    assert program.violated(Candidate(shipped, 8.8, x), finer) == ([], [])
+    omega, band = program.violated(Candidate(shipped, 12.0, x), finer)
+    assert not omega and band == [1.0], "only the attenuation at the end of the band fails"
+    peaking = np.array([np.log(50 / omega_0), 0.1, 0.8])
+    omega, _ = program.violated(Candidate(structure.rounded(peaking, omega_0), 8.8, peaking), finer)
+    assert omega and all(20 < w < 200 for w in omega)

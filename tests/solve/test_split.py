@@ -1,4 +1,4 @@
-"""Split arithmetic is complex arithmetic, in CasADi and in cvxpy; and so every numeric view of a constraint agrees."""
+"""Split arithmetic is complex arithmetic in CasADi, lines are affine; so every numeric view of a constraint agrees."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from pathlib import Path
 from typing import Any
 
 import casadi as ca
-import cvxpy as cp
 import numpy as np
 import pytest
 
 from robimp.synthesis.problem.constraints import constraints
-from robimp.synthesis.problem.constraints.inequality import Inequality, Source
+from robimp.synthesis.problem.constraints.inequality import Inequality, Role, Source
+from robimp.synthesis.problem.grid import Evaluator
 from robimp.synthesis.problem.setting import Setting
-from robimp.synthesis.solve.bound import _Cvx
-from robimp.synthesis.solve.nlp import _Casadi
+from robimp.synthesis.solve.places import Casadi
+from robimp.synthesis.solve.rows import Rows
 from robimp.synthesis.solve.split import Split
 from robimp.synthesis.spec import parse_spec
 
@@ -29,18 +29,12 @@ def numbers(seed: int) -> np.ndarray:
 
 
 def casadi_split(z: np.ndarray) -> Split:
-    return Split(ca.DM(z.real), ca.DM(z.imag), _Casadi())
-
-
-def cvxpy_split(z: np.ndarray) -> Split:
-    re, im = cp.Variable(z.size), cp.Variable(z.size)
-    re.value, im.value = z.real, z.imag
-    return Split(re, im, _Cvx())
+    return Split(ca.DM(z.real), ca.DM(z.imag), Casadi())
 
 
 def real(value: Any) -> np.ndarray:
-    """The numbers an expression of either library stands for."""
-    return np.array(value.value if isinstance(value, cp.Expression) else value, dtype=float).ravel()
+    """The numbers an expression stands for."""
+    return np.array(value, dtype=float).ravel()
 
 
 def complex_of(z: Split) -> np.ndarray:
@@ -70,7 +64,7 @@ RATIONAL: dict[str, Callable[[Any, Any], Any]] = {
 }
 
 
-@pytest.mark.parametrize("split", [casadi_split, cvxpy_split])
+@pytest.mark.parametrize("split", [casadi_split])
 @pytest.mark.parametrize("operation", AFFINE.values(), ids=AFFINE)
 def test_with_numpy_numbers(split: Callable[[np.ndarray], Split], operation: Callable[[Any, Any], Any]) -> None:
     z, w = numbers(1), numbers(2)
@@ -83,7 +77,7 @@ def test_with_each_other(operation: Callable[[Any, Any], Any]) -> None:
     np.testing.assert_allclose(complex_of(operation(casadi_split(y), casadi_split(z))), operation(y, z), rtol=1e-12)
 
 
-@pytest.mark.parametrize("split", [casadi_split, cvxpy_split])
+@pytest.mark.parametrize("split", [casadi_split])
 def test_modulus_and_real_part(split: Callable[[np.ndarray], Split]) -> None:
     z = numbers(5)
     np.testing.assert_allclose(real(abs(split(z))), np.abs(z), rtol=1e-10)
@@ -92,7 +86,7 @@ def test_modulus_and_real_part(split: Callable[[np.ndarray], Split]) -> None:
 
 def test_the_modulus_has_a_derivative_at_zero() -> None:
     x = ca.MX.sym("x")
-    slope = ca.Function("slope", [x], [ca.jacobian(abs(Split(x, 0 * x, _Casadi())), x)])
+    slope = ca.Function("slope", [x], [ca.jacobian(abs(Split(x, 0 * x, Casadi())), x)])
     assert float(slope(0.0)) == 0.0
     assert float(slope(-1.0)) == pytest.approx(-1.0)
 
@@ -103,7 +97,7 @@ def test_a_conjugated_product_would_be_seen() -> None:
             return super().__mul__(np.conj(other))
 
     z, w = numbers(1), numbers(2)
-    wrong = Conjugated(ca.DM(z.real), ca.DM(z.imag), _Casadi())
+    wrong = Conjugated(ca.DM(z.real), ca.DM(z.imag), Casadi())
     assert not np.allclose(complex_of(wrong * w), z * w)
 
 
@@ -134,10 +128,10 @@ def setting(variant: str) -> Setting:
 
 
 def views(joint: Setting, inequality: Inequality, X: np.ndarray, omega: np.ndarray) -> list[np.ndarray]:
-    """Right minus left side through NumPy, CasADi and cvxpy."""
+    """Right minus left side through NumPy and CasADi."""
     radius = joint.uncertainty.radius if inequality.source is Source.LUMPED else joint.uncertainty.disc_radius
     W, slacks = radius(omega), []
-    for value in (X, casadi_split(X), cvxpy_split(X)):
+    for value in (X, casadi_split(X)):
         left, right = inequality.sides(1.25, W, value, lambda r: r.at(omega))
         slacks.append(np.broadcast_to(real(right), omega.shape) - np.broadcast_to(real(left), omega.shape))
     return slacks
@@ -150,11 +144,26 @@ def test_every_view_of_every_constraint_agrees(variant: str) -> None:
     seen = 0
     for seed, constraint in enumerate(constraints(joint)):
         for inequality in constraint.inequalities:
-            numpy_view, casadi_view, cvxpy_view = views(joint, inequality, numbers(seed), omega)
+            numpy_view, casadi_view = views(joint, inequality, numbers(seed), omega)
             assert np.all(np.isfinite(numpy_view))
             np.testing.assert_allclose(casadi_view, numpy_view, rtol=1e-7, atol=1e-9, err_msg=constraint.form)
-            np.testing.assert_allclose(cvxpy_view, numpy_view, rtol=1e-9, atol=1e-12, err_msg=constraint.form)
-            moved, _, _ = views(joint, inequality, numbers(seed) + 0.01, omega)
+            moved, _ = views(joint, inequality, numbers(seed) + 0.01, omega)
             assert not np.allclose(moved, numpy_view, rtol=1e-6), "the comparison does not depend on X"
             seen += 1
     assert seen >= 6
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_rows_of_a_cone_program_say_what_the_inequality_says(variant: str) -> None:
+    joint, omega, seen = setting(variant), np.array([1.5, 4.0, 9.0, 15.0, 20.0, 27.0, 29.0]), 0
+    for seed, constraint in enumerate(c for c in constraints(joint) if c.required):
+        for inequality in constraint.inequalities:
+            X, rows = numbers(seed), Rows.of(joint, constraint, inequality, omega)
+            W = Evaluator(joint, omega).radius(inequality.source)
+            left, right = inequality.sides(float(constraint.level or 0), W, X, lambda r: r.at(omega))
+            size = np.abs(inequality.right.constant.at(omega)) + np.abs(inequality.right.slope.at(omega))
+            size = np.full(N, size.min()) if inequality.role is Role.FLOOR else size
+            np.testing.assert_allclose(rows.slack(X), (right - left) / size, rtol=1e-9, atol=1e-12)
+            assert not np.allclose(rows.slack(X + 0.01), rows.slack(X), rtol=1e-6), "the rows do not depend on X"
+            seen += 1
+    assert seen >= 5

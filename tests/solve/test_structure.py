@@ -8,9 +8,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from robimp.synthesis.solve.structure import DIGITS, Feedback, QFilter, Structure, convolve
+from robimp.synthesis.solve.structure import DIGITS, FORMS, Classical, Feedback, QFilter, Structure, convolve
+from robimp.synthesis.spec.model import FORMS as SPEC_FORMS
 
-FAMILIES: list[Structure] = [*(QFilter(order) for order in range(2, 9)), Feedback(0), Feedback(1)]
+FAMILIES: list[Structure] = [*map(QFilter, range(2, 9)), *map(Feedback, range(5)), *FORMS.values()]
 OMEGA_0 = 37.3
 
 
@@ -40,8 +41,10 @@ def test_a_start_is_a_stable_proper_filter(family: Structure) -> None:
     rng = np.random.default_rng(1)
     for _ in range(50):
         num, den = family.polynomials(family.start(rng))
-        assert np.all(np.roots(den).real < 0)
-        assert len(den) - len(num) == (2 if isinstance(family, QFilter) else 0)
+        integral = isinstance(family, Classical) and family.integral
+        assert np.all(np.roots(den).real < 0) or (integral and den[-1] == 0 and np.all(np.roots(den[:-1]).real < 0))
+        filtered = isinstance(family, Classical) and family.filtered
+        assert len(den) - len(num) == (2 if isinstance(family, QFilter) else int(filtered))
         if isinstance(family, QFilter):
             assert 0 < num[-1] / den[-1] < 1, "Q(0) starts below 1"
 
@@ -70,18 +73,17 @@ def test_an_unrounded_coefficient_would_be_seen() -> None:
         digits(Fraction(1, 3))
 
 
-@pytest.mark.parametrize("order", range(3, 9))
-def test_extending_a_family_keeps_the_filter(order: int) -> None:
-    family, rng = QFilter(order), np.random.default_rng(order)
-    smaller = family.simpler
-    assert smaller is not None and smaller.order < order
+@pytest.mark.parametrize("family", [f for f in FAMILIES if f.simpler is not None], ids=str)
+def test_extending_a_family_keeps_the_controller(family: Structure) -> None:
+    rng, smaller = np.random.default_rng(7), family.simpler
+    assert smaller is not None and smaller.bounds[0].size < family.bounds[0].size
     low, high = family.bounds
     x = smaller.start(rng)
     larger = family.extended(x, rng)
     assert larger.shape == low.shape and np.all(low <= larger) and np.all(larger <= high)
     p = 1j * np.geomspace(0.01, 100, 30)
 
-    def value(structure: QFilter, parameters: np.ndarray) -> np.ndarray:
+    def value(structure: Structure, parameters: np.ndarray) -> np.ndarray:
         num, den = structure.polynomials(parameters)
         return np.polyval(num, p) / np.polyval(den, p)
 
@@ -91,14 +93,14 @@ def test_extending_a_family_keeps_the_filter(order: int) -> None:
 
 
 def test_the_simplest_families_have_nothing_below() -> None:
-    assert QFilter(2).simpler is None and Feedback(1).simpler is None
+    assert QFilter(2).simpler is None and Feedback(0).simpler is None and FORMS["pi"].simpler is None
     with pytest.raises(NotImplementedError):
-        Feedback(1).extended(np.zeros(1), np.random.default_rng(0))
+        Structure.extended(Feedback(0), np.zeros(1), np.random.default_rng(0))
 
 
 def test_order_2_is_the_papers_filter() -> None:
     """(23) with α = 0.8, ω = 50 rad/s, ζ = 0.7075."""
-    x = np.array([np.log(50 / OMEGA_0), 0.7075, 0.8 * (50 / OMEGA_0) ** 2])
+    x = np.array([np.log(50 / OMEGA_0), 0.7075, 0.8])
     shipped = QFilter(2).rounded(x, OMEGA_0)
     assert shipped.numerator == (Fraction(2000),)
     assert shipped.denominator == (Fraction(1), Fraction("70.75"), Fraction(2500))
@@ -107,3 +109,26 @@ def test_order_2_is_the_papers_filter() -> None:
 def test_products_of_polynomials() -> None:
     assert convolve([1, 2], [3, 4, 5]) == [3, 10, 13, 10]
     assert convolve([1, 2], [3, 4, 5]) == list(np.polymul([1, 2], [3, 4, 5]))
+
+
+CLASSICAL = {  # coefficients of p for k = 2, ω_i = 0.5, ω_z = 3, ω_p = 10, ω_f = 40
+    "p": ([2], [1]),
+    "pi": ([2, 1], [1, 0]),
+    "lead-lag": ([20 / 3, 20], [1, 10]),
+    "pi-lead": (np.polymul([2, 1], [10 / 3, 10]), [1, 10, 0]),
+    "p-filtered": ([80], [1, 40]),
+    "pi-filtered": ([80, 40], [1, 40, 0]),
+    "lead-lag-filtered": ([800 / 3, 800], np.polymul([1, 10], [1, 40])),
+    "pi-lead-filtered": (np.polymul([80, 40], [10 / 3, 10]), np.polymul([1, 10, 0], [1, 40])),
+}
+
+
+@pytest.mark.parametrize("name", CLASSICAL)
+def test_a_form_has_the_factors_of_its_name(name: str) -> None:
+    family = FORMS[name]
+    assert isinstance(family, Classical)
+    values = [2.0, *[0.5] * ("pi" in name), *[3.0, 10.0] * ("lead" in name), *[40.0] * name.endswith("filtered")]
+    num, den = family.polynomials(np.log(values))
+    np.testing.assert_allclose(num, CLASSICAL[name][0], rtol=1e-12)
+    np.testing.assert_allclose(den, CLASSICAL[name][1], rtol=1e-12)
+    assert set(FORMS) == {*CLASSICAL, "eq23"} == {form for forms in SPEC_FORMS.values() for form in forms}

@@ -1,0 +1,40 @@
+"""What the bound's Q̃ is made of: `Q̃ = H·Σ x_k φ_k`, φ_k with fixed stable poles, real ones and resonant pairs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+REAL = 10  # real poles, spread over everything; the rest of the terms are pairs
+SHARE = 0.5  # of the pairs lie just beyond ω_B, where the best Q̃ turns sharply
+NARROW, WIDE, SLOW = (0.98, 1.12), (0.1, 12.0), (0.03, 30.0)  # in parts of ω_B
+OVERLAP = 1.6  # damping of a pair, in spacings to its neighbour
+ROLL_OFF = 20.0  # the common pole that gives the relative degree, in parts of ω_B
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Poles placed for a bandwidth `around` [rad/s]; `roll_off` the relative degree of every function."""
+
+    around: float
+    terms: int
+    roll_off: int
+
+    def at(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Values of all functions. omega: (n,) [rad/s]. Returns (n, terms)."""
+        s: NDArray[Any] = 1j * omega / self.around
+        real = np.geomspace(*SLOW, REAL - 1 + self.terms % 2)
+        pairs = (self.terms - 1 - real.size) // 2
+        dense = round(SHARE * pairs)
+        columns: list[Any] = [np.ones_like(s), *(1 / (1 + s / pole) for pole in real)]
+        for (low, high), count in ((NARROW, dense), (WIDE, pairs - dense)):
+            zeta = min(0.7, OVERLAP * np.log(high / low) / count)
+            for pole in np.geomspace(low, high, count):
+                resonance = 1 / ((s / pole) ** 2 + 2 * zeta * s / pole + 1)
+                columns += [resonance, resonance * s / pole]
+        return np.asarray(np.stack(columns, axis=1) / ((1 + s / ROLL_OFF) ** self.roll_off)[:, None], complex)
