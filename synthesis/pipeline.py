@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import platform
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib.metadata import version
@@ -79,10 +79,17 @@ class Result:
         return (json.dumps(self.certificate, indent=1, ensure_ascii=False) + "\n").encode()
 
 
-def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: float | None = None) -> Result:
+def synthesize(
+    spec: Spec,
+    progress: Progress = lambda _: None,
+    *,
+    time_limit: float | None = None,
+    starts: Sequence[tuple[Polynomials, float]] = (),
+) -> Result:
     """Find (or take) a controller, prove every claim about it, have the proof re-checked, and simulate it.
 
-    time_limit [s] bounds the search. Raises: InfeasibleError with the constraint and frequency; UndecidedError when the
+    time_limit [s] bounds the search. starts: controllers of similar joints with their ω_B [rad/s]; a search that begins
+    there computes no bound. Raises: InfeasibleError with the constraint and frequency; UndecidedError when the
     search ends without a proven controller; InputError for a controller that cannot be realized; RobimpError when
     prover, checker and simulation disagree.
     """
@@ -90,7 +97,7 @@ def synthesize(spec: Spec, progress: Progress = lambda _: None, *, time_limit: f
     progress = demanding(progress)
     setting = setting_of(spec)
     if spec.controller.coefficients is None:
-        coefficients, limit = _search(setting, progress, None if time_limit is None else began + time_limit)
+        coefficients, limit = _search(setting, progress, None if time_limit is None else began + time_limit, starts)
     else:
         coefficients, limit = spec.controller.coefficients, None
     C = realizable(setting, coefficients)
@@ -157,7 +164,9 @@ def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
     return C
 
 
-def _search(setting: Setting, progress: Progress, deadline: float | None) -> tuple[Polynomials, Bound | None]:
+def _search(
+    setting: Setting, progress: Progress, deadline: float | None, starts: Sequence[tuple[Polynomials, float]]
+) -> tuple[Polynomials, Bound | None]:
     from .solve.bound import bound
     from .solve.infeasible import impossible
     from .solve.search import Search
@@ -165,16 +174,19 @@ def _search(setting: Setting, progress: Progress, deadline: float | None) -> tup
     reason = impossible(setting)
     if reason is not None:
         raise reason.error()
-    progress(f"bound: convex program with {BOUND_TERMS} terms")
-    limit = bound(setting, BOUND_TERMS)
-    low, high = frequency_scale(setting)
-    expected = limit.omega_B if limit is not None else (low * high) ** 0.5
+    limit, expected = None, max((omega_B for _, omega_B in starts), default=0.0)
+    if not starts:
+        progress(f"bound: convex program with {BOUND_TERMS} terms")
+        limit = bound(setting, BOUND_TERMS)
+        low, high = frequency_scale(setting)
+        expected = limit.omega_B if limit is not None else (low * high) ** 0.5
     search = Search(
         setting,
         lambda c, omega_B: counterexamples(setting, setting.compensator(c), omega_B),
         expected,
         progress,
         deadline=deadline,
+        starts=tuple(starts),
     )
     found = search.run()
     if found is None:

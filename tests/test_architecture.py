@@ -17,7 +17,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"models": ROOT / "models", "synthesis": ROOT / "synthesis"}
 LAYERS = ["errors", "interruption", "storage", "models", "spec", "problem", "solve", "certificate", "check"]
-LAYERS += ["simulation", "report", "agreement", "pipeline", "replay", "controller_file", "judgement", "cli"]
+LAYERS += ["simulation", "report", "agreement", "pipeline", "sweep", "replay", "controller_file", "judgement", "cli"]
 HEAVY = ("cvxpy", "casadi", "control", "matplotlib", "numpy", "flint")
 MOST_LINES = 300
 PRINTERS = {"synthesis/cli/common.py", "synthesis/check/__main__.py"}

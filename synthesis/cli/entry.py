@@ -16,6 +16,7 @@ from ..interruption import Interruption, demand_none, remembered
 from .bound import bound
 from .check import check
 from .common import complain, discard, unwritable_output
+from .map import map_
 from .schema import schema
 from .simulate import simulate
 from .synth import synth
@@ -32,6 +33,7 @@ app = typer.Typer(
 )
 for command in (synth, check, simulate, bound, schema):
     app.command()(command)
+app.command("map")(map_)
 
 
 def main() -> None:

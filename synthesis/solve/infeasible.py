@@ -35,7 +35,7 @@ class Impossible:
 
     def error(self) -> InfeasibleError:
         """The error to raise for it."""
-        return InfeasibleError(str(self))
+        return InfeasibleError(str(self), self.what)
 
 
 def impossible(setting: Setting) -> Impossible | None:

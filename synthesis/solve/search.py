@@ -66,6 +66,7 @@ class Search:
     progress: Progress
     seed: int = 0
     deadline: float | None = None  # of time.monotonic()
+    starts: tuple[tuple[Polynomials, float], ...] = ()  # controllers of similar joints, and their ω_B [rad/s]
 
     def run(self) -> Found | None:
         """Best controller of the specified structure that survives the proof; None when the search finds none."""
@@ -97,6 +98,10 @@ class Search:
         found: list[Candidate] = []
         grids = Grids.of(self.setting, self.omega_0, **COARSE)
         program = Program(self.setting, structure, grids, self.omega_0)
+        known = [(structure.parameters(c, self.omega_0), omega_B) for c, omega_B in self.starts]
+        found = self._solve_all(program, [(x, omega_B) for x, omega_B in known if x is not None])
+        if found:
+            return _distinct(found)
         if structure.simpler is not None:
             below = self._candidates(structure.simpler, rng)[:EXTENDED]
             self.progress(f"searching {structure}")

@@ -49,6 +49,10 @@ class Structure(ABC):
     def polynomials(self, x: Any, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
         """Numerator and denominator in descending powers of p. x: (n,) numbers or symbols."""
 
+    @abstractmethod
+    def parameters(self, coefficients: Polynomials, omega_0: float) -> NDArray[np.float64] | None:
+        """The inverse of `rounded`: x of a given controller, moved into the bounds; None for one of another order."""
+
     def rounded(self, x: NDArray[np.float64], omega_0: float) -> Polynomials:
         """The controller as it will be shipped: coefficients of s with few digits, exactly what is then certified."""
         num, den = self.polynomials(x)
@@ -62,6 +66,12 @@ def _in_s(coefficients: Coefficients, top: int, omega_0: float) -> tuple[Fractio
     return tuple(
         Fraction(f"{float(c) * omega_0 ** (top - k):.{DIGITS - 1}e}") for c, k in zip(coefficients, powers, strict=True)
     )
+
+
+def _in_p(coefficients: tuple[Fraction, ...], top: int, omega_0: float, lead: Fraction) -> list[float]:
+    """The inverse of `_in_s`, divided by the denominator's leading coefficient."""
+    powers = range(len(coefficients) - 1, -1, -1)
+    return [float(c / lead) / omega_0 ** (top - k) for c, k in zip(coefficients, powers, strict=True)]
 
 
 @dataclass(frozen=True)
@@ -89,6 +99,22 @@ class QFilter(Structure):
         n = self._sections - 1
         zeros = convolve(list(x[2 * n :]), [1.0, 2 * zeta * np.exp(omega), np.exp(2 * omega)])
         return np.array([*x[:n], omega, *x[n : 2 * n], zeta, *zeros])
+
+    def parameters(self, coefficients: Polynomials, omega_0: float) -> NDArray[np.float64] | None:
+        """See `Structure`."""
+        num, den = (_in_p(c, self.order, omega_0, coefficients.denominator[0]) for c in (
+            coefficients.numerator, coefficients.denominator))  # fmt: skip
+        if len(den) != self.order + 1 or len(num) > self.order - 1:
+            return None
+        roots = np.roots(den)
+        upper, real = roots[roots.imag > 0], np.sort(roots[roots.imag == 0].real)
+        odd, paired = real[len(real) - self.order % 2 :], real[: len(real) - self.order % 2]
+        omega = np.concatenate([np.abs(upper), np.sqrt(paired[::2] * paired[1::2])])
+        zeta = np.concatenate([-upper.real, -(paired[::2] + paired[1::2]) / 2]) / omega
+        zeros = [0.0] * (self.order - 1 - len(num)) + num
+        if np.any(omega <= 0) or np.any(odd >= 0):
+            return None
+        return np.clip([*np.log(omega), *zeta, *np.log(-odd), *zeros], *self.bounds)
 
     @property
     def _sections(self) -> int:
@@ -142,6 +168,16 @@ class Feedback(Structure):
             return np.array([gain])
         pole = rng.uniform(-2, 2)
         return np.array([pole, 0.1 * gain, gain * np.exp(pole)])
+
+    def parameters(self, coefficients: Polynomials, omega_0: float) -> NDArray[np.float64] | None:
+        """See `Structure`."""
+        num, den = (_in_p(c, self.order, omega_0, coefficients.denominator[0]) for c in (
+            coefficients.numerator, coefficients.denominator))  # fmt: skip
+        if len(den) != self.order + 1:
+            return None
+        if self.order == 0:
+            return np.clip(num, *self.bounds)
+        return None if den[1] <= 0 else np.clip([np.log(den[1]), *[0.0] * (2 - len(num)), *num], *self.bounds)
 
     def polynomials(self, x: Any, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
         """See `Structure`."""
