@@ -23,6 +23,7 @@ SCALES = (1.0, 1 / 8, 1 / 64)  # of the expected bandwidth, tried in turn: a bou
 DRAWN = 300  # random points; of those without a simpler structure to start from, the nearest to feasible are used
 STARTS = 12
 FIRST_STARTS = 30
+NEARBY = (0.0, 0.1, 0.2, 0.4, 0.4, 0.4)  # how far starts lie from one that was given: relative changes of x
 AGREE = 5  # stop when this many starts end at the same best figure
 REFINED = 8  # distinct optima of the coarse grid that are carried to the fine one
 EXTENDED = 3  # of them, how many the next larger structure starts from
@@ -98,10 +99,9 @@ class Search:
         found: list[Candidate] = []
         grids = Grids.of(self.setting, self.omega_0, **COARSE)
         program = Program(self.setting, structure, grids, self.omega_0)
-        known = [(structure.parameters(c, self.omega_0), omega_B) for c, omega_B in self.starts]
-        found = self._solve_all(program, [(x, omega_B) for x, omega_B in known if x is not None])
+        found = self._solve_all(program, self._around_starts(structure, rng))
         if found:
-            return _distinct(found)
+            return _distinct(found)[:REFINED]
         if structure.simpler is not None:
             below = self._candidates(structure.simpler, rng)[:EXTENDED]
             self.progress(f"searching {structure}")
@@ -118,6 +118,17 @@ class Search:
             drawn.sort(key=lambda x: program.violation(x, omega_B))
             found = self._solve_all(program, [(x, omega_B) for x in drawn[:FIRST_STARTS]])
         return _distinct(found)[:REFINED]
+
+    def _around_starts(
+        self, structure: Structure, rng: np.random.Generator
+    ) -> list[tuple[NDArray[np.float64], float]]:
+        """The controllers given to start from, each with a few in its neighbourhood."""
+        known = [(structure.parameters(c, self.omega_0), omega_B) for c, omega_B in self.starts]
+        low, high = structure.bounds
+        return [
+            (np.clip(x * np.exp(spread * rng.normal(size=x.size)), low, high), (1 - spread) * omega_B)
+            for x, omega_B in known if x is not None for spread in NEARBY
+        ]  # fmt: skip
 
     def _solve_all(self, program: Program, starts: list[tuple[NDArray[np.float64], float]]) -> list[Candidate]:
         """Solve from every start, or until several agree on the best."""

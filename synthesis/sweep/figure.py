@@ -33,7 +33,7 @@ def figure(plane_map: Map, form: str) -> bytes:
     FigureCanvasAgg(drawn)
     ax = drawn.add_subplot()
     rows, columns = (_edges(axis) for axis in plane_map.plane.axes)
-    colours = ax.pcolormesh(columns, rows, np.ma.masked_invalid(plane_map.bandwidth()), cmap="viridis", rasterized=True)
+    colours = ax.pcolormesh(columns, rows, np.ma.masked_invalid(plane_map.bandwidth()), vmin=0, cmap="viridis", rasterized=True)
     drawn.colorbar(colours, label=r"proven bandwidth $\omega_B$ [rad/s]")
     legend = [*_hatch(ax, plane_map, rows, columns), *_spring(ax, plane_map)]
     for axis, scale, label in zip(
