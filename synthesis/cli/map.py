@@ -47,10 +47,18 @@ def map_(
     files = {form: folder / f"map.{form}" for form in ("json", "svg", "png")}
     for file in files.values():
         demand_replaceable(file)
-    options = {"processes": processes, "dask": dask, "time_limit": time_limit, "certificates": certificates}
     try:
         with located(spec), progress_bar(len(axes[0].values) * len(axes[1].values)) as progress:
-            found = map_plane(spec, axes, folder, **options, progress=progress)
+            found = map_plane(
+                spec,
+                axes,
+                folder,
+                processes=processes,
+                dask=dask,
+                time_limit=time_limit,
+                certificates=certificates,
+                progress=progress,
+            )
     except KeyboardInterrupt:
         complain(f"{folder}: every finished cell is kept; the same command goes on")
         raise

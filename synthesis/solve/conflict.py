@@ -93,7 +93,7 @@ def _described(setting: Setting, groups: Sequence[Group], empty: NDArray[np.floa
 
 
 def _best(setting: Setting, omega: NDArray[np.float64], group: Group, others: Sequence[Group]) -> NDArray[np.float64]:
-    """The hardest level of a constraint that some X reaches while the others hold; nan where none does. Returns (n,)."""
+    """The hardest level of a constraint that some X reaches while the others hold; nan where none. Returns (n,)."""
     plane, asked = Plane(setting, omega), group[0].level
     rest = [demand for other in others for demand in other]
 

@@ -52,10 +52,10 @@ class Disc:
         return Disc(-self.centre, self.radius)
 
     def __sub__(self, other: Any) -> Disc:
-        return self + (-other)
+        return self.__add__(-other)
 
     def __rsub__(self, other: Any) -> Disc:
-        return -self + other
+        return (-self).__add__(other)
 
     def __mul__(self, factor: Any) -> Disc:
         return Disc(self.centre * factor, self.radius * np.abs(factor))
@@ -132,9 +132,10 @@ class Plane:
             for inequality in demand.constraint.inequalities:
                 slack, size = self._slack(demand, inequality, k, X)
                 met &= slack.centre >= 0
-                open_ &= ~(slack.centre + slack.radius < -ROUNDING * size)
+                with np.errstate(invalid="ignore"):  # no value at a pole: nothing is excluded
+                    open_ &= ~(slack.centre + slack.radius < -ROUNDING * size)
         found[k[met]] = EXISTS
-        return open_ & (found[k] != EXISTS)
+        return np.asarray(open_ & (found[k] != EXISTS))
 
     def _slack(self, demand: Demand, inequality: Inequality, k: NDArray[np.int_], X: Disc) -> tuple[Disc, Any]:
         """Right minus left side, and the size of both; met wherever the constraint does not apply."""

@@ -23,7 +23,8 @@ class Impossible:
 
     def __str__(self) -> str:
         place = {0.0: "ω → 0", np.inf: "ω → ∞"}.get(self.omega, f"ω = {self.omega:.4g} rad/s")
-        return f"{self.what} cannot hold at {place} for any controller: {self.why}; {self.remedy}"
+        together = " together" if " and " in self.what else ""
+        return f"{self.what} cannot hold{together} at {place} for any controller: {self.why}; {self.remedy}"
 
     def error(self) -> InfeasibleError:
         """The error to raise for it."""

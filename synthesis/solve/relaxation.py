@@ -75,15 +75,15 @@ def _changes(spec: Spec) -> Iterator[Change]:
 
 
 def _number(spec: Spec, key: str, direction: int, most: Fraction | None = None) -> Change:
-    """One number times or divided by the factor, rounded to three digits."""
+    """One number times or divided by the factor, rounded to three digits, up to `most`."""
     value = _get(spec, key)
 
     def change(factor: float) -> Relaxation | None:
         if not isinstance(value, Fraction) or value == 0:
             return None
         new = Fraction(f"{float(value) * factor**direction:.3g}")
-        if most is not None and new > most:
-            return None
+        if most is not None and new > most > value:
+            new = most
         return Relaxation(f"{key} {float(value):.4g} → {float(new):.4g}", factor, _with(spec, key, new))
 
     return change

@@ -119,9 +119,7 @@ class Search:
             found = self._solve_all(program, [(x, omega_B) for x in drawn[:FIRST_STARTS]])
         return _distinct(found)[:REFINED]
 
-    def _around_starts(
-        self, structure: Structure, rng: np.random.Generator
-    ) -> list[tuple[NDArray[np.float64], float]]:
+    def _around_starts(self, structure: Structure, rng: np.random.Generator) -> list[tuple[NDArray[np.float64], float]]:
         """The controllers given to start from, each with a few in its neighbourhood."""
         known = [(structure.parameters(c, self.omega_0), omega_B) for c, omega_B in self.starts]
         low, high = structure.bounds

@@ -114,7 +114,7 @@ class QFilter(Structure):
         zeros = [0.0] * (self.order - 1 - len(num)) + num
         if np.any(omega <= 0) or np.any(odd >= 0):
             return None
-        return np.clip([*np.log(omega), *zeta, *np.log(-odd), *zeros], *self.bounds)
+        return np.asarray(np.clip([*np.log(omega), *zeta, *np.log(-odd), *zeros], *self.bounds))
 
     @property
     def _sections(self) -> int:

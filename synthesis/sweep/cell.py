@@ -53,7 +53,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Cell:
-    """A solved cell. omega_B: proven [rad/s]; cause: a word or two that cells of one reason share; reason: all of it."""
+    """A solved cell. omega_B: proven [rad/s]; cause: what cells of one reason share; reason: all of it."""
 
     index: tuple[int, int]
     status: Status

@@ -33,14 +33,15 @@ def figure(plane_map: Map, form: str) -> bytes:
     FigureCanvasAgg(drawn)
     ax = drawn.add_subplot()
     rows, columns = (_edges(axis) for axis in plane_map.plane.axes)
-    colours = ax.pcolormesh(columns, rows, np.ma.masked_invalid(plane_map.bandwidth()), vmin=0, cmap="viridis", rasterized=True)
+    colours = ax.pcolormesh(
+        columns, rows, np.ma.masked_invalid(plane_map.bandwidth()), vmin=0, cmap="viridis", rasterized=True
+    )
     drawn.colorbar(colours, label=r"proven bandwidth $\omega_B$ [rad/s]")
     legend = [*_hatch(ax, plane_map, rows, columns), *_spring(ax, plane_map)]
-    for axis, scale, label in zip(
-        plane_map.plane.axes, (ax.set_yscale, ax.set_xscale), (ax.set_ylabel, ax.set_xlabel), strict=True
-    ):
-        scale("log" if axis.logarithmic else "linear")
-        label(_label(axis, plane_map.plane.spec.motion))
+    vertical, horizontal = plane_map.plane.axes
+    motion = plane_map.plane.spec.motion
+    ax.set(yscale=_scale(vertical), ylabel=_label(vertical, motion))
+    ax.set(xscale=_scale(horizontal), xlabel=_label(horizontal, motion))
     ax.set_title(plane_map.plane.spec.name)
     if legend:
         drawn.legend(handles=legend, loc="outside lower center", fontsize="small", ncols=2)
@@ -68,7 +69,11 @@ def _hatch(ax: Any, plane_map: Map, rows: NDArray[np.float64], columns: NDArray[
         corners = [
             Rectangle((columns[j], rows[i]), columns[j + 1] - columns[j], rows[i + 1] - rows[i]) for i, j in cells
         ]
-        look = {"hatch": HATCHES[k % len(HATCHES)], "facecolor": SHADE[example.status], "edgecolor": "0.45"}
+        look: dict[str, Any] = {
+            "hatch": HATCHES[k % len(HATCHES)],
+            "facecolor": SHADE[example.status],
+            "edgecolor": "0.45",
+        }
         ax.add_collection(PatchCollection(corners, linewidth=0, **look))
         said = example.status.value if cause == example.status.value else f"{example.status.value}: {cause}"
         legend.append(Patch(label=said, linewidth=0, **look))
@@ -83,6 +88,10 @@ def _spring(ax: Any, plane_map: Map) -> list[Any]:
         return []
     line = ax.axvline if upright else ax.axhline
     return [line(float(spring), color="crimson", linestyle="--", label="$K_{imp} = K_{sp}$")]
+
+
+def _scale(axis: Axis) -> str:
+    return "log" if axis.logarithmic else "linear"
 
 
 def _label(axis: Axis, motion: str) -> str:

@@ -14,10 +14,10 @@ def progress_bar(total: int) -> Iterator[Callable[[int, int], None]]:
         yield lambda done, failed: None
         return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[failed]}"), TimeElapsedColumn())
-    with Progress("cells", *columns, TimeRemainingColumn(), console=Console(stderr=True), transient=True) as bar:
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[failed]}"), TimeRemainingColumn())
+    with Progress("cells", *columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("cells", total=total, failed="")
 
         def update(done: int, failed: int) -> None:

@@ -57,9 +57,9 @@ class Map:
     def spring(self) -> Fraction | None:
         """K_sp, where the stiffness is on an axis and every cell has the same spring."""
         actuator, keys = self.plane.spec.actuator, [axis.key for axis in self.plane.axes]
-        if STIFFNESS in keys and "actuator.spring_stiffness" not in keys and isinstance(actuator, SeriesElasticActuator):
-            return actuator.spring_stiffness
-        return None
+        if not isinstance(actuator, SeriesElasticActuator) or "actuator.spring_stiffness" in keys:
+            return None
+        return actuator.spring_stiffness if STIFFNESS in keys else None
 
     def bandwidth(self) -> NDArray[np.float64]:
         """Proven ω_B [rad/s], nan where nothing is proven. Returns (n first axis, n second axis)."""

@@ -1,4 +1,4 @@
-"""The run of a map: cells to whoever is idle, each from its neighbour's controller, each finished one into the journal."""
+"""The run of a map: cells to whoever is idle, each started from its neighbour, each finished one into the journal."""
 
 from __future__ import annotations
 
