@@ -24,6 +24,7 @@ from ..errors import InputError, RobimpError
 P = ParamSpec("P")
 T = TypeVar("T")
 
+ANSWER = 5  # s a scheduler has to answer
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
@@ -127,7 +128,7 @@ def _cluster(address: str) -> Iterator[tuple[Executor, int]]:
     except ImportError:
         raise InputError("--dask needs the package dask.distributed: install robimp[dask]") from None
     try:
-        client = Client(address, timeout=10, set_as_default=False)
+        client = Client(address, timeout=ANSWER, set_as_default=False)
     except (OSError, ValueError, TypeError) as error:
         raise InputError(f"--dask: no scheduler answers at {address}: {error}") from None
     try:

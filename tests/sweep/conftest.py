@@ -20,6 +20,17 @@ constraints: {eq12: {form: structured}, peak: 2}
 """
 
 
+GIVEN = "coefficients: {numerator: [2000], denominator: [1, 70.75, 2500]}"
+
+
+@pytest.fixture
+def searched(tmp_path: Path) -> Path:
+    """The same joint with a controller to find."""
+    path = tmp_path / "searched.yaml"
+    path.write_text(SPEC.replace(GIVEN, "order: 2"), encoding="utf-8")
+    return path
+
+
 @pytest.fixture
 def small(tmp_path: Path) -> Path:
     path = tmp_path / "small.yaml"

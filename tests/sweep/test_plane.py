@@ -1,4 +1,4 @@
-"""Axes and cells: which values, which specifications, which neighbour; and what is refused before anything is computed."""
+"""Axes and cells: which values, which specifications, which neighbour; and what is refused at once."""
 
 from __future__ import annotations
 
@@ -100,12 +100,8 @@ def test_two_axes_of_one_key_are_refused(small: Path) -> None:
         plane(small, "impedance.damping=0.1:0.5:2", "impedance.damping=0.2:0.5:2")
 
 
-def test_a_neighbour_is_next_to_its_cell_and_every_chain_ends_at_the_first(small: Path) -> None:
-    text = small.read_text(encoding="utf-8").replace(
-        "coefficients: {numerator: [2000], denominator: [1, 70.75, 2500]}", "order: 2"
-    )
-    small.write_text(text, encoding="utf-8")
-    found = plane(small, "impedance.stiffness=1:5:4", "impedance.damping=0.2:0.5:3")
+def test_a_neighbour_is_next_to_its_cell_and_every_chain_ends_at_the_first(searched: Path) -> None:
+    found = plane(searched, "impedance.stiffness=1:5:4", "impedance.damping=0.2:0.5:3")
     for index in found:
         steps, at = 0, index
         while (parent := found.parent(at)) is not None:
