@@ -85,6 +85,7 @@ class _Run:
     def solve(self, todo: list[Index]) -> None:
         """Keep every worker busy with cells whose neighbour is done."""
         running: dict[Future[Answer], Index] = {}
+        self.progress(len(self.journal.finished), 0)
         try:
             while todo or running:
                 for index in list(self._ready(todo))[: self.size - len(running)]:

@@ -114,7 +114,7 @@ def workers(processes: int | None, dask: str | None) -> Iterator[tuple[Executor,
         with _cluster(dask) as both:
             yield both
         return
-    crew = Processes(processes or os.process_cpu_count() if hasattr(os, "process_cpu_count") else os.cpu_count() or 1)
+    crew = Processes(processes or os.cpu_count() or 1)
     try:
         yield crew, crew.size
     finally:

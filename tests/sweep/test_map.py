@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -15,14 +16,14 @@ from typing import Any
 import pytest
 from maps import AXES, COMMAND, here, plane, proven, robimp
 
-from robimp.synthesis import ExitCode, InputError, check, load, map_plane, synthesize
+from robimp.synthesis import ExitCode, InputError, RobimpError, check, load, map_plane, synthesize
 from robimp.synthesis.storage import write_atomic
 from robimp.synthesis.sweep import run as home
 from robimp.synthesis.sweep.cell import Cell, Status, Task, solve_cell
 from robimp.synthesis.sweep.figure import figure
 from robimp.synthesis.sweep.picture import picture
 from robimp.synthesis.sweep.result import Map
-from robimp.synthesis.sweep.workers import Processes
+from robimp.synthesis.sweep.workers import Processes, workers
 
 # ---- what a map holds
 
@@ -231,6 +232,22 @@ def test_workers_have_one_blas_thread_and_leave_the_caller_as_it_was(monkeypatch
             assert processes.submit(environment, name).result() == "1"
     assert os.environ["OMP_NUM_THREADS"] == "7" and "OPENBLAS_NUM_THREADS" not in os.environ
     assert sys.modules["__main__"] is main
+
+
+def test_there_are_as_many_processes_as_asked_for() -> None:
+    for asked, given in ((1, 1), (3, 3), (None, os.cpu_count())):
+        with workers(asked, None) as (executor, size):
+            assert size == given and isinstance(executor, Processes)
+
+
+def test_no_more_tasks_than_processes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
+    with Processes(1) as processes:
+        first = processes.submit(time.sleep, 1)
+        with pytest.raises(RobimpError, match="more tasks than processes"):
+            processes.submit(time.sleep, 0)
+        first.result()
+        assert processes.submit(os.getpid).result() != os.getpid()
 
 
 def test_a_script_without_a_guard_is_not_run_again_by_its_workers(small: Path, tmp_path: Path) -> None:
