@@ -18,11 +18,14 @@ if TYPE_CHECKING:
     from .spec import load_spec as load
     from .spec import parse_spec as parse
     from .spec.model import Spec
+    from .sweep.result import Map
+    from .sweep.run import map_plane
 
 __all__ = [
     "ExitCode",
     "InfeasibleError",
     "InputError",
+    "Map",
     "MismatchError",
     "RefutedError",
     "Result",
@@ -32,6 +35,7 @@ __all__ = [
     "bound",
     "check",
     "load",
+    "map_plane",
     "parse",
     "simulate",
     "synthesize",
@@ -40,9 +44,11 @@ __all__ = [
 _HOME = {
     "bound": (".solve.bound", "bound"),
     "load": (".spec", "load_spec"),
+    "map_plane": (".sweep.run", "map_plane"),
     "parse": (".spec", "parse_spec"),
     "simulate": (".simulation", "verify"),
     "synthesize": (".pipeline", "synthesize"),
+    "Map": (".sweep.result", "Map"),
     "Result": (".pipeline", "Result"),
     "Spec": (".spec.model", "Spec"),
 }

@@ -57,9 +57,13 @@ class InputError(RobimpError):
 
 
 class InfeasibleError(RobimpError):
-    """No controller, of any order, can satisfy a constraint at some frequency."""
+    """No controller, of any order, can satisfy a constraint at some frequency; what: the constraints, by name."""
 
     exit_code = ExitCode.INFEASIBLE
+
+    def __init__(self, message: str, what: str = "") -> None:
+        self.what = what
+        super().__init__(message)
 
 
 class RefutedError(RobimpError):

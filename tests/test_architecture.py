@@ -17,8 +17,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"models": ROOT / "models", "synthesis": ROOT / "synthesis"}
 LAYERS = ["errors", "interruption", "storage", "models", "spec", "problem", "solve", "certificate", "check"]
-LAYERS += ["simulation", "report", "identify", "agreement", "pipeline", "challenge", "replay", "controller_file"]
-LAYERS += ["judgement", "cli"]
+LAYERS += ["simulation", "report", "identify", "agreement", "pipeline", "sweep", "challenge", "replay"]
+LAYERS += ["controller_file", "judgement", "cli"]
 HEAVY = ("cvxpy", "casadi", "control", "matplotlib", "numpy", "flint")
 MOST_LINES = 300
 PRINTERS = {"synthesis/cli/common.py", "synthesis/check/__main__.py"}

@@ -20,6 +20,7 @@ from .check import check
 from .common import complain, discard, say, unwritable_output
 from .identify import identify
 from .init import init
+from .map import map_
 from .report import report
 from .schema import schema
 from .simulate import simulate
@@ -37,6 +38,7 @@ app = typer.Typer(
 )
 for command in (synth, check, simulate, bound, identify, report, init, schema):
     app.command()(command)
+app.command("map")(map_)
 
 
 def _tell_version(asked: bool) -> None:

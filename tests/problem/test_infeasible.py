@@ -13,7 +13,9 @@ from robimp.synthesis.problem.constraints import constraints
 from robimp.synthesis.problem.constraints.inequality import Inequality
 from robimp.synthesis.problem.grid import Evaluator
 from robimp.synthesis.problem.setting import Setting
-from robimp.synthesis.solve.infeasible import Impossible, _best_ratio, impossible
+from robimp.synthesis.solve.alone import _best_ratio
+from robimp.synthesis.solve.infeasible import impossible
+from robimp.synthesis.solve.reason import Impossible
 
 REFERENCE = "{eq9: {}, eq12: {form: structured}, eq18: {form: half-plane, coupling: physical}, peak: 2}"
 PAPER_18 = "{{eq18: {{form: paper, coupling: {}}}}}"

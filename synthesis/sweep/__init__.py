@@ -1,0 +1,1 @@
+"""A map: one synthesis for each cell of a plane of two specification keys, in parallel, resumable."""
