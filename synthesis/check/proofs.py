@@ -37,6 +37,7 @@ class Prover:
         """The joint where parameters have these values, or are symbols."""
         key = *point.items(), *symbols
         if key not in self.joints:
+            self.joints = self.joints if len(self.joints) < VIEWS else {}
             free = {name: Family((((name,), ONE),)) for name in symbols}
             self.joints[key] = Joint(self.spec, self.controller, {**point, **free})
         return self.joints[key]
@@ -45,6 +46,7 @@ class Prover:
         """The joint on a cell, kept for the next claim."""
         if len(self.views) > VIEWS:
             self.views, self.cells = {}, {}
+            cell.cache.clear()
         cell = self.cells.setdefault(cell.key, cell)
         key = (*cell.key, *point.items())
         if key not in self.views:
@@ -73,9 +75,8 @@ class Prover:
         family = {k: part for k, part in ranges(self.spec, ALL[1:]).items() if k[0] in sections and k not in point}
         if EDGE[0] in sections and load is None and given["box"] and given["box"]["stiffness"][1] > 0:
             family[EDGE] = ZERO, Fraction(1)
-        disc = (
-            given["weight"] or self.table["points"] or kind[1] == "disc"
-        )  # where two moduli are added, or a margin is squared: degree 4
+        # Where two moduli are added, or a margin is squared, the degree in a parameter is 4.
+        disc = given["weight"] or self.table["points"] or kind[1] == "disc"
         twice = EDGE in family or kind[0] in ("eq12", "rendering", "friction")
         degree = 4 if kind[1].startswith(("paper", "lumped")) or (disc and twice) else 2
         for end in (end for end in interval if whole and end in WHOLE and (friction or kind in SIGNED)):
