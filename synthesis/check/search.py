@@ -52,6 +52,8 @@ def cover(
         if said == 0:
             wide = cell.lo < cell.hi
             demand(depth < DEPTH and (wide or bool(around)), f"neither proven nor refuted{cell}", UNDECIDED)
+            if depth % 4 == 3:  # now and then the other one: which of them matters is a guess
+                axes = [] if axes or depth % 8 == 3 else [*range(len(around))]
             if axes or not wide:
                 key = [*around][(axes or range(len(around)))[depth % len(axes or around)]]
                 lo, hi = around[key]
@@ -82,7 +84,8 @@ def _hull(values: Sequence[Axis], n: int) -> tuple[int, list[int]]:
     """A function that is affine in every parameter stays in the convex hull of its values at the corners."""
     if excludes_zero(values):
         return 1, []
-    points = [Axis(*(Form(f.cell, f.m, f.e, f.c, [0, *f.l[1:]], 0, 0) for f in (z.p, z.q))) for z in values]
+    aligned = [(z.p, z.q if z.p.cell.ends else z.q.at(z.p.m)) for z in values]
+    points = [Axis(*(Form(f.cell, f.m, f.e, f.c, [0, *f.l[1:]], 0, 0) for f in pair)) for pair in aligned]
     return 0, [] if excludes_zero(points) else list(range(n))
 
 

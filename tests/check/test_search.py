@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
-from math import comb
+from math import comb, inf
 from time import monotonic
 
 import pytest
@@ -116,3 +116,45 @@ def test_everything_of_a_joint_is_affine_in_every_parameter() -> None:
             a, b, c = (getattr(j, name) for j in three)
             assert a - b - b + c == Poly.of(0), (key, name)
     assert isinstance(three[0], Joint)
+
+
+def test_a_box_down_to_almost_no_inertia_is_decided_by_halving_what_matters() -> None:
+    """Near the widest box the exclusion rests on Im f: halving the motor's damping for ever would not find it."""
+    changes: Json = {
+        "plant": {"inertia": "231/10000", "damping": "111/1000", "stiffness": "0"},
+        "uncertainty": {
+            "box": {
+                "inertia": ["693/50000", "1617/50000"],
+                "damping": ["111/2500", "111/625"],
+                "stiffness": ["0", "0"],
+            },
+            "weight": None,
+            "actuator": {"motor_damping": ["201/12500", "469/12500"]},
+        },
+        "actuator": {
+            "type": "series-elastic",
+            "motor_inertia": "53/2500",
+            "motor_damping": "67/2500",
+            "spring_stiffness": "789/100",
+            "torque_loop": {"kp": "167/10", "kd": "149/1000", "derivative_corner": "1450", "feedforward": "0"},
+        },
+        "impedance": {
+            "inertia": "231/10000",
+            "damping": ["477/1000", "583/1000"],
+            "stiffness": ["3231/1000", "2513/500"],
+        },
+        "controller": {
+            "type": "dynamic-feedback",
+            "filters": {"force": None, "position": "none", "derivative": "482"},
+        },
+    }
+    controller = {"type": "dynamic-feedback", "C": {"numerator": ["11/2"], "denominator": ["1"]}}
+    whole = certificate_of(spec(), EQ23) | {"spec": spec(**changes), "controller": controller}
+    prover = Prover(read(data(seal(whole))), monotonic() + 60)
+
+    def fault(v: str) -> str:
+        return prover.fault(("stability-free", "box"), Fraction(v), (Fraction(0), inf), True)
+
+    assert fault("2478/1000") == ""
+    with pytest.raises(CheckError):  # an unstable joint is in there
+        fault("2600/1000")
