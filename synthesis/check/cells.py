@@ -1,31 +1,30 @@
-"""Cells of ω and of parameters: what polynomials, the hold and a table are on them, and the search by halving."""
+"""Cells of ω: what polynomials, symbols and the hold are on them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable
 from decimal import Decimal
 from fractions import Fraction
-from functools import lru_cache
+from functools import lru_cache, reduce
 from itertools import pairwise
 from math import factorial, inf
+from operator import add, mul
 from typing import Any
 
-from .forms import BITS, Axis, Form, UnresolvedError
-from .outcome import UNDECIDED, CheckError, demand, tick
-from .polynomials import Poly, X
-from .positivity import Inequality
+from .forms import BITS, Axis, Form
+from .polynomials import ONE, Family, Poly, X
 
-Ranges = dict[tuple[str, Any], tuple[Fraction, Fraction]]  # the parameters that vary, each a symbol
+Ranges = dict[tuple[str, Any], tuple[Fraction, Fraction]]  # parameters that vary
+Point = dict[tuple[str, Any], Any]  # parameters at values: rational, or symbols of a cell
 Taylor = tuple[int, int, int, int]  # 2^-BITS (c0 + c1 t + c2 t² ± r)
-CELLS, DEPTH, HALVED = 40_000, 60, ("impedance", "actuator", "edge")  # limits; the parameters that are not linear
-ZERO, UNKNOWN = Fraction(0), Fraction(2**2000)
+ZERO = Fraction(0)
 
 
 class Cell:
-    """χ in [lo, hi], χ = x = ω², or 1/x if far; ζ = −χ/2^b. Every parameter in its range is one symbol."""
+    """χ in [lo, hi], χ = x = ω², or 1/x if far; ζ = −χ/2^b. Every parameter in `ranges` is a symbol."""
 
-    def __init__(self, lo: Fraction, hi: Fraction, far: bool, ranges: Ranges, depth: int = 0) -> None:
-        self.lo, self.hi, self.far, self.ranges, self.depth, self.ends = lo, hi, far, ranges, depth, lo == 0
+    def __init__(self, lo: Fraction, hi: Fraction, far: bool, ranges: Ranges) -> None:
+        self.lo, self.hi, self.far, self.ranges, self.ends = lo, hi, far, ranges, lo == 0
         self.key = lo, hi, far, tuple(ranges.items())
         self.b = hi.numerator.bit_length() - hi.denominator.bit_length() if hi else 0
         self.cache: dict[Any, Any] = {}
@@ -35,16 +34,12 @@ class Cell:
             rest = _fixed(d**3 / (c**3 * (c - d))) + 20
             self.taylor[-1] = -_fixed(1 / c), _fixed(d / c**2), -_fixed(d**2 / c**3), rest
 
-    def halves(self, names: Sequence[str]) -> list[list[Cell]]:
-        """Two halves, the one at smaller ω first, along ω and along every parameter of these names."""
-        middle, deeper = (self.lo + self.hi) / (2 if self.lo else 4), self.depth + 1
-        below = (1 / self.hi, 1 / middle) if self.far and middle else (self.lo, middle)
+    def halves(self) -> list[Cell]:
+        """Two halves, the one at smaller ω first."""
+        middle = (self.lo + self.hi) / (2 if self.lo else 4)
+        below = (1 / self.hi, 1 / middle) if self.far else (self.lo, middle)
         above = (self.lo, middle) if self.far else (middle, self.hi)
-        found = [[Cell(*below, False, self.ranges, deeper), Cell(*above, self.far, self.ranges, deeper)]]
-        for key, (lo, hi) in self.ranges.items():
-            given = [{**self.ranges, key: half} for half in ((lo, (lo + hi) / 2), ((lo + hi) / 2, hi))]
-            found += [[Cell(self.lo, self.hi, self.far, r, deeper) for r in given]] if key[0] in names else []
-        return found if self.lo < self.hi else found[1:]
+        return [Cell(*below, False, self.ranges), Cell(*above, self.far, self.ranges)]
 
     def __str__(self) -> str:
         ω = (Decimal(self.lo.numerator) / self.lo.denominator).sqrt()
@@ -55,25 +50,33 @@ class Cell:
         top = max(abs(Fraction(c)), abs(Fraction(value)), Fraction(r))
         e, values = top.numerator.bit_length() - top.denominator.bit_length() - BITS, [0] * (len(self.ranges) + 1)
         values[k] = _fixed(value, -e) if value else 0
-        return Form(self, 0, e, _fixed(c, -e), values, _fixed(r, -e) + 3 if top else 0)
+        return Form(self, 0, e, _fixed(c, -e), values, 0, _fixed(r, -e) + 3 if top else 0)
 
     def symbol(self, key: tuple[str, Any]) -> Axis:
         """A parameter, anywhere in its range."""
-        lo, hi = self.ranges[key]
-        return Axis(self.form((lo + hi) / 2, [*self.ranges].index(key) + 1, (hi - lo) / 2), self.form())
+        if key not in self.cache:
+            lo, hi = self.ranges[key]
+            self.cache[key] = Axis(self.form((lo + hi) / 2, [*self.ranges].index(key) + 1, (hi - lo) / 2), self.form())
+        return self.cache[key]  # type: ignore[no-any-return]
 
     def power(self, k: int) -> Form:
         """ζ^k."""
         return self._sum([(k, 1, -k * self.b)], 0)
 
     def axis(self, value: Any) -> Axis:
-        """A polynomial in s on this cell; what is on it already stays."""
-        if isinstance(value, Poly) and value not in self.cache:
-            terms: tuple[list[tuple[int, int, int]], ...] = ([], [])
-            for k, a, e in _mantissas(value):
-                terms[k % 2].append((-((k + 1) // 2) if self.far else k // 2, a, e))
-            self.cache[value] = Axis(*map(self._sum, terms))
-        return self.cache[value] if isinstance(value, Poly) else value  # type: ignore[no-any-return]
+        """A polynomial in s on this cell, or a family of them; what is on it already stays."""
+        if isinstance(value, Axis):
+            return value
+        if value not in self.cache:
+            if isinstance(value, Family):
+                products = (reduce(mul, map(self.symbol, keys), self.axis(p)) for keys, p in value.terms)
+                self.cache[value] = reduce(add, products, self.axis(Poly(())))
+            else:
+                terms: tuple[list[tuple[int, int, int]], ...] = ([], [])
+                for k, a, e in _mantissas(value):
+                    terms[k % 2].append((-((k + 1) // 2) if self.far else k // 2, a, e))
+                self.cache[value] = Axis(*map(self._sum, terms))
+        return self.cache[value]  # type: ignore[no-any-return]
 
     def real(self, value: Any) -> Form:
         """A polynomial in x on this cell; what is on it already stays."""
@@ -110,7 +113,7 @@ class Cell:
             z0, z1, z2, zr = self._power(k - m)
             c0, c1, c2 = c0 + a * z0, c1 + a * z1, c2 + a * z2
             r += abs(a) * zr + 2 * (abs(z0) + abs(z1) + abs(z2) + zr)
-        return Form(self, m, low - BITS - 1, 2 * c0 + c2, [2 * c1] + [0] * len(self.ranges), 2 * r + abs(c2))
+        return Form(self, m, low - BITS, c0, [c1] + [0] * len(self.ranges), c2, r)
 
     def omega(self) -> Form:
         """ω, on a cell that is not far."""
@@ -127,16 +130,17 @@ class Cell:
         """cos(aω) and sin(aω)/ω."""
         square = a * a * self.hi
         if self.ends or square < 16:  # at any θ the series' error is below its first omitted term
-            rest = square**12 / factorial(24)
+            tail = square**12 / factorial(24)
             cos, sin = map(self.real, _series(a))
-            return cos + self.form(r=rest), sin + self.form(r=a * rest)
+            return cos + self.form(r=tail), sin + self.form(r=a * tail)
         θ, over = self.omega() * Poly.of(a), self.omega().inverse()
         D, none = θ.w + θ.r, [0] * len(θ.l)
         if θ.size() > 200 or D.bit_length() + θ.e > 1:
             return self.form(r=1), self.form(r=1) * over
-        cos, sin = (Form(self, 0, -BITS, v, none, 2) for v in unit(θ.c, θ.e))
-        d, bend = Form(self, 0, θ.e, 0, θ.l, θ.r), Form(self, 0, 2 * θ.e - 1, 0, none, D * D)
-        return cos - sin * d + bend, (sin + cos * d + bend) * over  # |cos θ − cos c + d sin c| ≤ d²/2, so for sin
+        cos, sin = (Form(self, 0, -BITS, v, none, 0, 2) for v in unit(θ.c, θ.e))
+        δ, rest = Form(self, 0, θ.e, 0, θ.l, θ.q, θ.r), Form(self, 0, 3 * θ.e, 0, none, 0, D**3 // 3 + 1)
+        bent = ONE - δ * δ * Poly.of(Fraction(1, 2))  # and sin δ = δ, |δ| < 2: errors |δ|⁴/24, |δ|³/6
+        return cos * bent - sin * δ + rest, (sin * bent + cos * δ + rest) * over
 
 
 def _fixed(value: Fraction | int, bits: int = BITS) -> int:
@@ -186,63 +190,3 @@ def roots(interval: tuple[Fraction, Any], breaks: Iterable[Fraction], ranges: Ra
     ]
     cells = [Cell(Fraction(a), Fraction(b), False, ranges) for a, b in pairwise(points)]
     return [*cells, Cell(ZERO, 1 / Fraction(points[-1]), True, ranges)] if hi == inf else cells
-
-
-def compare(cell: Cell, part: Inequality | Axis) -> tuple[int, Fraction]:
-    """Whether `Σ √terms < √bound` on the cell: 1, −1 at a corner of it, 0 not known; and how much is not linear."""
-    if isinstance(part, Axis):
-        said = int(part.nonzero())
-        return said, ZERO if said else part.p.r * Fraction(2) ** part.p.e + part.q.r * Fraction(2) ** part.q.e
-    forms, over = [f for f in map(cell.real, part.terms) if f] + [cell.real(part.bound)], cell.real(part.over)
-    if cell.ends and part.strict and over and forms[-1].m > over.m:  # zero in the limit
-        return -(1 in (over.sign(), (-over).sign())), Fraction(1)
-    m = min(f.m for f in forms if f or f is forms[0]) if cell.ends else max(forms, key=Form.size).m
-    *terms, bound = (Form(cell, 0, f.e, f.c, f.l, f.r) for f in (-f.at(m) if m % 2 else f.at(m) for f in forms))
-    if len(terms) > 1:
-        bound, terms = bound.root(), [f.root() for f in terms]
-    for f in terms:
-        bound = bound - f
-    said = bound.sign(part.strict)
-    return said, ZERO if said else bound.r * Fraction(2) ** bound.e
-
-
-def cover(
-    cells: list[Cell], parts: Callable[[Cell], Iterator[Any]], deadline: float, names: Sequence[str] = HALVED
-) -> str:
-    """Where a part fails; empty if all are proven on all cells, in the order of ω; or CheckError."""
-    stack, seen = cells[::-1], dict[Cell, tuple[str, Fraction | None]]()
-
-    def look(cell: Cell) -> tuple[str, Fraction | None]:
-        """Where a part fails on the cell; else how much is not linear where one is not proven."""
-        doubt: Fraction | None = None
-        try:
-            for part in parts(cell):
-                said, loose = (-1, ZERO) if isinstance(part, str) else compare(cell, part)
-                if said < 0:
-                    return f": {part}" if isinstance(part, str) else str(cell), None
-                doubt = loose if said == 0 and doubt is None else doubt
-        except UnresolvedError:
-            doubt = UNKNOWN
-        return "", doubt
-
-    for _ in range(CELLS):
-        if not stack:
-            return ""
-        tick(deadline)
-        cell = stack.pop()
-        text, doubt = seen.pop(cell) if cell in seen else look(cell)
-        if text:
-            return text
-        if doubt is not None:
-            choices = cell.halves(names)
-            demand(bool(choices) and cell.depth < DEPTH, f"neither proven nor refuted{cell}", UNDECIDED)
-            if cell.depth % 6 == 5:  # one half proven at once does not mean that the other one is any nearer
-                choices = choices[:1]
-            turn = cell.depth % len(choices)  # in turn where none is better
-            choices = choices[turn:] + choices[:turn]
-            if len(choices) > 1:  # what is least far from linear afterwards
-                tried = {half: look(half) for halves in choices for half in halves}
-                choices.sort(key=lambda halves: sum(tried[half][1] or ZERO for half in halves))
-                seen.update((half, tried[half]) for half in choices[0])
-            stack += choices[0][::-1]
-    raise CheckError(UNDECIDED, "neither proven nor refuted")

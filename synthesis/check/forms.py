@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from fractions import Fraction
 from math import isqrt
 from operator import mul
 from typing import TYPE_CHECKING, Any
@@ -23,17 +25,18 @@ class UnresolvedError(CheckError):
 
 
 class Form(Ring):
-    """`ζ^m 2^e (c + Σ l[i] t_i ± r)` for all |t_i| ≤ 1: t_0 moves along the axis, others are parameters; w = Σ|l|."""
+    """`ζ^m 2^e (c + Σ l[i] t_i + q t_0² ± r)` for all |t_i| ≤ 1: t_0 moves along the axis, others are parameters."""
 
-    __slots__ = ("c", "cell", "e", "l", "m", "r", "w")
+    __slots__ = ("c", "cell", "e", "l", "m", "q", "r", "w")
 
-    def __init__(self, cell: Cell, m: int, e: int, c: int, l: list[int], r: int) -> None:  # noqa: E741
-        w = sum(map(abs, l))
+    def __init__(self, cell: Cell, m: int, e: int, c: int, l: list[int], q: int, r: int) -> None:  # noqa: E741
+        w = abs(q) + sum(map(abs, l))
         excess = (abs(c) + w + r).bit_length() - BITS
         if excess > 0:  # floors: each coefficient and the bound lose less than one
-            c, l, r, e = c >> excess, [v >> excess for v in l], (r >> excess) + len(l) + 2, e + excess  # noqa: E741
-            w = sum(map(abs, l))
-        self.cell, self.m, self.e, self.c, self.l, self.r, self.w = cell, m, e, c, l, r, w
+            c, l, q, r = c >> excess, [v >> excess for v in l], q >> excess, (r >> excess) + len(l) + 3  # noqa: E741
+            w, e = (w >> excess) + len(l) + 1, e + excess
+        self.cell, self.m, self.e, self.c, self.l, self.q, self.r = cell, m, e, c, l, q, r
+        self.w = w  # at least |l| and |q| together
 
     def __bool__(self) -> bool:
         return bool(self.c or self.r or self.w)
@@ -42,17 +45,25 @@ class Form(Ring):
         """Bits of the largest value, about."""
         return self.e + (abs(self.c) + self.w + self.r).bit_length()
 
+    def middle(self) -> Fraction:
+        """The value at the centre of the cell, without the power of ζ."""
+        return self.c * Fraction(2) ** self.e
+
     def at(self, m: int) -> Form:
         """The same value with another power of ζ in front; on a cell that has an end at ζ = 0 only with a lower one."""
-        same = self * self.cell.power(self.m - m) if self.m != m and self else self
-        return Form(self.cell, m, same.e, same.c, same.l, same.r)
+        if m == self.m:
+            return self
+        if m > self.m and self.cell.ends and self:
+            raise UnresolvedError
+        same = self * self.cell.power(self.m - m) if self else self
+        return Form(self.cell, m, same.e, same.c, same.l, same.q, same.r)
 
     def up(self) -> Form:
         """Times τ² = −χ = 2^b ζ."""
-        return Form(self.cell, self.m + 1, self.e + self.cell.b, self.c, self.l, self.r)
+        return Form(self.cell, self.m + 1, self.e + self.cell.b, self.c, self.l, self.q, self.r)
 
     def __add__(self, other: Any) -> Form:
-        a, b = self, self.cell.real(other)
+        a, b = self, other if isinstance(other, Form) else self.cell.real(other)
         if a and b and a.m != b.m:
             m = a.m if (a.m < b.m if self.cell.ends else a.size() > b.size()) else b.m
             a, b = a.at(m), b.at(m)
@@ -63,30 +74,37 @@ class Form(Ring):
         up = min(a.e - b.e, BITS)
         down = a.e - b.e - up
         values = [(u << up) + (w >> down) for u, w in zip(a.l, b.l, strict=True)]
-        r = (a.r << up) + (b.r >> down) + (len(values) + 2 if down else 0)
-        return Form(self.cell, a.m, a.e - up, (a.c << up) + (b.c >> down), values, r)
+        r = (a.r << up) + (b.r >> down) + (len(values) + 3 if down else 0)
+        return Form(self.cell, a.m, a.e - up, (a.c << up) + (b.c >> down), values, (a.q << up) + (b.q >> down), r)
 
     def __neg__(self) -> Form:
-        return Form(self.cell, self.m, self.e, -self.c, [-v for v in self.l], self.r)
+        return Form(self.cell, self.m, self.e, -self.c, [-v for v in self.l], -self.q, self.r)
 
-    def __mul__(self, other: Any) -> Form:  # everything doubled, with t_i² in [0, 1] and t_i t_k in [−1, 1]
-        a, b = self, self.cell.real(other)
-        squares, p, q = list(map(mul, a.l, b.l)), 2 * a.c, 2 * b.c
-        r = 2 * (a.w * b.w + (abs(a.c) + a.w) * b.r + (abs(b.c) + b.w) * a.r + a.r * b.r) - sum(map(abs, squares))
-        values = [p * y + q * x for x, y in zip(a.l, b.l, strict=True)]
-        return Form(self.cell, a.m + b.m, a.e + b.e - 1, p * b.c + sum(squares), values, r)
+    def __mul__(self, other: Any) -> Form:  # everything doubled: t_i² in [0, 1], all other products in [−1, 1]
+        a, b = self, other if isinstance(other, Form) else self.cell.real(other)
+        first, *squares = map(mul, a.l, b.l)
+        p, q = 2 * a.c, 2 * b.c
+        r = 2 * (a.w * b.w - abs(first) + (abs(a.c) + a.w) * b.r + (abs(b.c) + b.w) * a.r + a.r * b.r)
+        values, bend = [p * y + q * x for x, y in zip(a.l, b.l, strict=True)], p * b.q + q * a.q + 2 * first
+        e, r = a.e + b.e - 1, r - sum(map(abs, squares))
+        return Form(self.cell, a.m + b.m, e, p * b.c + sum(squares), values, bend, r)
+
+    def scaled(self, k: int) -> Form:
+        """Times an integer."""
+        return Form(self.cell, self.m, self.e, self.c * k, [v * k for v in self.l], self.q * k, self.r * abs(k))
 
     def inverse(self) -> Form:
-        """1/f: with d = f − c, |d| ≤ D < c, it is 1/c − d/c² + R, 0 ≤ R ≤ D²/(c²(c − D))."""
+        """1/f: d = f − c, |d| ≤ D < c: it is 1/c − d/c² + d²/c³ ± D³/(c³(c − D)), and d² = l_0² t_0² ± (D² − l_0²)."""
         if self.c < 0:
             return -(-self).inverse()
-        c, D = self.c, self.w + self.r
+        c, D, square = self.c, self.w + self.r, self.l[0] ** 2
         if c <= D:
             raise UnresolvedError
         k = c.bit_length() + BITS
-        one, rest = (1 << k) // c, (D * D << k) // (c * c * (c - D)) + 1
-        r = (rest >> 1) + 2 * len(self.l) + 4 + (self.r << k) // (c * c)
-        return Form(self.cell, -self.m, -k - self.e, one + (rest >> 1), [-(v * one // c) for v in self.l], r)
+        one, rest = (1 << k) // c, ((D * D - square) * (c - D) + D**3 << k) // (c**3 * (c - D)) + 1
+        r = rest + 2 * len(self.l) + 8 + (self.r << k) // (c * c)
+        values, bend = [-(v * one // c) for v in self.l], (square * one // c - self.q * one) // c
+        return Form(self.cell, -self.m, -k - self.e, one, values, bend, r)
 
     def root(self) -> Form:
         """√f of a form without power of ζ that means something ≥ 0: √c + d/(2√c) − R, R = (√(c + d) − √c)²/(2√c).
@@ -98,18 +116,24 @@ class Form(Ring):
         c, D, e = self.c << n, D << n, (self.e - n) // 2
         top = isqrt(max(c + D, 0)) + 1
         if c <= D:
-            return Form(self.cell, 0, e, top >> 1, [0] * len(self.l), (top >> 1) + 1)
+            return Form(self.cell, 0, e, top >> 1, [0] * len(self.l), 0, (top >> 1) + 1)
         root = isqrt(c)
         w = max(top - root, root + 1 - isqrt(c - D))
         rest = w * w // (2 * root) + 1
         values = [(v << n) // (2 * root) for v in self.l]
-        r = (rest >> 1) + len(values) + 4 + (self.r << n) // (2 * root) + D // (2 * root * root)
-        return Form(self.cell, 0, e, root - (rest >> 1), values, r)
+        r = (rest >> 1) + len(values) + 5 + (self.r << n) // (2 * root) + D // (2 * root * root)
+        return Form(self.cell, 0, e, root - (rest >> 1), values, (self.q << n) // (2 * root), r)
 
     def sign(self, strict: bool = True) -> int:
         """1: > 0 (≥ 0 if not strict) everywhere; −1: not so somewhere, at a corner of the cell; 0: neither is shown."""
-        least = (-self.c if self.m % 2 else self.c) - self.w  # ζ < 0
-        return 1 if least - self.r > -(not strict) else -(least + self.r < strict)
+        f = -self if self.m % 2 else self  # ζ < 0
+        least = f.c + dip(f.l[0], f.q) - sum(map(abs, f.l[1:]))
+        return 1 if least - f.r > -(not strict) else -(least + 1 + f.r < strict)
+
+
+def dip(l: int, q: int) -> int:  # noqa: E741
+    """The least value of `l t + q t²` for |t| ≤ 1, less than one too low."""
+    return -(l * l // (4 * q)) - 1 if abs(l) < 2 * q else q - abs(l)
 
 
 class Axis(Ring):
@@ -129,6 +153,8 @@ class Axis(Ring):
 
     def __mul__(self, other: Any) -> Axis:
         other = self.p.cell.axis(other)
+        if not other.q:
+            return Axis(self.p * other.p, self.q * other.p)
         return Axis(self.p * other.p + (self.q * other.q).up(), self.p * other.q + self.q * other.p)
 
     def conj(self) -> Axis:
@@ -139,26 +165,38 @@ class Axis(Ring):
         """Re, and Im/ω: q, or −χ q because τ = −jω/ω² at infinity."""
         return self.p, self.q.up() if self.p.cell.far else self.q
 
+    def norm2(self) -> Form:
+        """`|z|²`."""
+        return self.p * self.p + -(self.q * self.q).up()
+
     def inverse(self) -> Axis:
         """`1/z = conj z/|z|²`."""
-        n = (self.p * self.p - (self.q * self.q).up()).inverse()
+        n = self.norm2().inverse()
         return Axis(self.p * n, -(self.q * n))
 
     def bounded(self) -> bool:
         """Whether it stays finite at the end of its cell."""
         return all(f.m >= 0 or not f for f in (self.p, self.q))
 
-    def nonzero(self) -> bool:
-        """Whether 0 is shown not to be among the values: some linear functional of (p, q) has one sign."""
-        p, q, cell = self.p, self.q, self.p.cell
-        if cell.ends:  # at χ = 0 it is p
-            return p.m == 0 and abs(p.c) > p.w + p.r
-        q = q.at(p.m)
-        e = min(p.e, q.e)
-        P, Q = ([v << f.e - e for v in (f.c, *f.l, f.r)] for f in (p, q))
-        up, down = max(cell.b, 0), max(-cell.b, 0)
-        for a, b in [(P[0] << down, Q[0] << up), *((w, -u) for u, w in zip(P[1:-1], Q[1:-1], strict=True))]:
-            values = [a * u + b * w for u, w in zip(P[:-1], Q[:-1], strict=True)]
-            if abs(values[0]) > sum(map(abs, values[1:])) + abs(a) * P[-1] + abs(b) * Q[-1]:
-                return True
-        return False
+
+def excludes_zero(values: Sequence[Axis]) -> bool:
+    """Whether 0 is shown not to be in the convex hull: some linear functional of (p, q) has one sign on all values."""
+    cell = values[0].p.cell
+    if cell.ends:  # at χ = 0 it is p
+        finite = all(z.bounded() and z.p.m == 0 for z in values)
+        return finite and (all(z.p.sign() == 1 for z in values) or all((-z.p).sign() == 1 for z in values))
+    m = values[0].p.m
+    forms = [(z.p.at(m), z.q.at(m)) for z in values]
+    e = min(f.e for pair in forms for f in pair)
+    rows = [[[v << f.e - e for v in (f.c, f.q, f.r, *f.l)] for f in pair] for pair in forms]
+    up, down = max(cell.b, 0), max(-cell.b, 0)
+    centre = (sum(P[0] for P, _ in rows) << down, sum(Q[0] for _, Q in rows) << up)
+    for a, b in [centre, *((w, -u) for P, Q in rows for u, w in zip(P[3:], Q[3:], strict=True))]:
+        signs = set()
+        for P, Q in rows:
+            c, q, _, first, *others = (a * u + b * w for u, w in zip(P, Q, strict=True))
+            loose = sum(map(abs, others)) + abs(a) * P[2] + abs(b) * Q[2]
+            signs.add((c + dip(first, q) > loose) - (-c + dip(-first, -q) > loose))
+        if signs in ({1}, {-1}):
+            return True
+    return False

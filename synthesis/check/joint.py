@@ -1,10 +1,10 @@
 """The joint a certificate speaks about: the quantities that every statement is made of, as polynomials or on a cell."""
 
-from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from .cells import Cell, Ranges
+from .cells import Cell, Point, Ranges
+from .forms import Axis
 from .outcome import MISMATCH, demand
 from .polynomials import ONE, ZERO, Poly, decays_faster, norm2
 from .reader import FORMS
@@ -12,26 +12,18 @@ from .reader import FORMS
 Section = dict[str, Any]  # of the certificate
 Value = Any  # a Poly in s, or an Axis on a cell
 Real = Any  # a Poly in x = ω², or a Form on a cell
-Point = Mapping[tuple[str, Any], Any]  # (section, parameter) to its value where it is not the nominal one
 S = Poly.of(0, 1)
 
 
 class Joint:
     """`Z(g) = (E g + M)/locked`, `1 − Q̃ = E/locked`; with an ideal actuator `1 − Q_i = E_i/D_i`, `U = U_n/D_i`.
     E g + M is the characteristic function in free motion, locked the one against a wall; a filter of its own on θ
-    makes the feedback C F_θ. The hold multiplies n_H."""
+    makes the feedback C F_θ. The hold multiplies `rest` and `driven`; parameters are affine in all of them."""
 
-    def __init__(self, spec: Section, controller: Section, point: Point, cell: Cell | None = None) -> None:
-        self.spec, self.cell, self.nominal = spec, cell, stiffness(spec["plant"].values())
-        self.load, self.desired = (
-            _value(spec, point, section, "inertia") * (S * S)
-            + _value(spec, point, section, "damping") * S
-            + _value(spec, point, section, "stiffness")
-            for section in ("plant", "impedance")
-        )
+    def __init__(self, spec: Section, controller: Section, point: Point) -> None:
+        self.spec, self.nominal = spec, stiffness(spec["plant"].values())
+        self.load, self.desired = _stiffness_at(spec, point, "plant"), _stiffness_at(spec, point, "impedance")
         self.n_H, self.n_Z, self.d = _actuator(spec, point)
-        if cell and spec["sampling"]:
-            self.n_H = self.n_H * cell.hold(*spec["sampling"].values())
         n_C, d_C = _compensator(controller, point)
         filters = spec["controller"]["filters"] or {"force": None, "position": None, "derivative": None}
         own, d_F, d_Fd = filters["position"], _lag(filters["force"]), _lag(filters["derivative"])
@@ -40,46 +32,73 @@ class Joint:
         self.command, self.rest = n_C * (self.d * d_Fd * d_θ), n_C * (self.n_H * (d_Fd * d_θ))
         self.E_i, self.D_i = direct * d_Fd, direct * d_Fd + n_C * (d_Fd * d_θ)
         self.U_n = feedback * d_Fd * self.desired - direct * (self.nominal - self.desired)
-        self.E, self.M = self.d * self.E_i, self.n_Z * self.E_i + self.n_H * self.U_n
-        self.locked = self.E + self.rest
-        self.box, weight, table = (spec["uncertainty"][key] for key in ("box", "weight", "table"))
+        self.E, self.driven, self.carried = self.d * self.E_i, self.n_H * self.U_n, self.n_Z * self.E_i
+        self.M, self.locked = self.carried + self.driven, self.E + self.rest
+        self.box, weight = spec["uncertainty"]["box"], spec["uncertainty"]["weight"]
         # Corners of the rectangle that g(jω) moves in; its edge v = B_lo ω, a segment of loads, if K_hi > 0.
-        self.corners: list[Value] = [self.nominal]
-        self.edge: list[Value] = []
+        self.corners: list[Poly] = [self.nominal]
+        self.edge: list[Poly] = []
         if self.box:
             (I_lo, I_hi), B, (K_lo, K_hi) = self.box.values()
             corners = [stiffness((I, b, K)) for b in B for I, K in ((I_hi, K_lo), (I_lo, K_hi))]  # noqa: E741
             self.corners = list(dict.fromkeys(corners))
-            self.edge = [corners[0] + t * (corners[1] - corners[0]) for key, t in point.items() if key[0] == "edge"]
-        # Sources of a disc, |Δ|² each as gap/size; together V² = gap/size.
+            self.edge = [corners[0] + Poly.of(t) * (corners[1] - corners[0]) for key, t in point.items() if key == EDGE]
+        # The disc on top of every load: |Δ|² ≤ V² = gap/size.
         n_w, d_w = rational(weight) if weight else (ZERO, ONE)
         self.disc: tuple[Real, Real] = (norm2(n_w), norm2(d_w))
-        self.sources: list[tuple[Real, Real]] = [self.disc] if weight else []
-        if cell and table:
-            W_t, (gap, size) = _table(table["points"], cell), map(cell.real, self.disc)
-            V = ((gap * size.inverse()).at(0).root() + ONE) * (W_t + ONE) - ONE
-            self.sources, self.disc = [*self.sources, (W_t * W_t, ONE)], (V * V, ONE)
 
     def free(self, g: Value) -> Value:
         """`free` for the dynamic stiffness of a load: numerator of Z over `locked`."""
         return self.E * g + self.M
 
-    def loads(self, load: Poly | None) -> list[Value]:
+    def loads(self, load: Poly | None) -> list[Poly]:
         """The one load of a witness, or those that decide a condition affine or convex in the load."""
         return self.corners if load is None else [load]
 
-    def loop(self, name: str) -> tuple[Value, Value]:
-        """The characteristic function as two summands, without and with the hold."""
-        if name == "stability-locked":
-            return self.E, self.rest
-        return self.E * self.load + self.n_Z * self.E_i, self.n_H * self.U_n
+    def loop(self, name: str, g: Value | None = None) -> tuple[Value, Value]:
+        """The characteristic function, of a load g, as two summands, without and with the hold."""
+        free = self.E * (self.load if g is None else g) + self.carried, self.driven
+        return (self.E, self.rest) if name == "stability-locked" else free
 
-    def over_locked(self, cell: Cell) -> "Joint":
-        """Everything over `locked`, which changes no statement and varies little on a cell."""
-        by = cell.axis(self.locked).inverse()
-        self.D_i, self.E_i, self.U_n = self.D_i * by, self.E_i * by, self.U_n * by
-        self.E, self.M, self.command, self.locked = ONE - self.rest * by, self.M * by, self.command * by, ONE
-        return self
+    def value(self, cell: Cell, name: str, g: Value | None = None) -> Axis:
+        """The characteristic function on a cell."""
+        undelayed, delayed = self.loop(name, g)
+        return cell.axis(undelayed + delayed) if not self.spec["sampling"] else undelayed + self.hold(cell) * delayed
+
+    def hold(self, cell: Cell) -> Value:
+        """The hold on a cell; 1 without sampling."""
+        if self.spec["sampling"] and "hold" not in cell.cache:
+            cell.cache["hold"] = cell.hold(*self.spec["sampling"].values())
+        return cell.cache.get("hold", ONE)
+
+    def disc_on(self, cell: Cell) -> tuple[Real, Real]:
+        """The disc together with the table: 1 + V = (1 + W_w)(1 + W_t)."""
+        if not (table := self.spec["uncertainty"]["table"]):
+            return self.disc
+        gap, size = map(cell.real, self.disc)
+        V = ((gap * size.inverse()).at(0).root() + ONE) * (_table(table["points"], cell) + ONE) - ONE
+        return V * V, ONE
+
+
+class View(Joint):
+    """A joint on a cell, with the hold, over the nominal's `locked`: changes no statement, and at ∞ nothing cancels."""
+
+    def __init__(self, j: Joint, nominal: Joint, cell: Cell) -> None:
+        self.__dict__.update(j.__dict__)
+        if "by" not in cell.cache:
+            cell.cache["by"] = nominal.value(cell, "stability-locked").inverse()
+            cell.cache["held"] = j.hold(cell) * cell.cache["by"]
+
+        def over(value: Value, by: str = "by") -> Value:
+            if value and (by, value) not in cell.cache:  # not once more for every impedance
+                cell.cache[by, value] = value * cell.cache[by]
+            return cell.cache[by, value] if value else ZERO
+
+        self.cell, self.disc = cell, j.disc_on(cell)
+        self.D_i, self.E_i, self.U_n, self.command = over(j.D_i), over(j.E_i), over(j.U_n), over(j.command)
+        self.rest, self.driven = over(j.rest, "held"), over(j.driven, "held")
+        self.locked = ONE + over(j.E - nominal.E) + over(j.rest - nominal.rest, "held")
+        self.M, self.E = over(j.carried) + self.driven, self.locked - self.rest
 
 
 def ranges(spec: Section, sections: Any, v: Fraction = Fraction(1)) -> Ranges:
@@ -112,7 +131,13 @@ def rational(section: Section) -> tuple[Poly, Poly]:
 
 
 def _value(spec: Section, point: Point, section: str, key: str) -> Value:
-    return point[section, key] if (section, key) in point else Poly.of(nominal(spec, section, key))
+    value = point[section, key] if (section, key) in point else nominal(spec, section, key)
+    return Poly.of(value) if isinstance(value, Fraction) else value
+
+
+def _stiffness_at(spec: Section, point: Point, section: str) -> Value:
+    powers = ("inertia", S * S), ("damping", S), ("stiffness", ONE)
+    return sum((_value(spec, point, section, key) * power for key, power in powers), ZERO)
 
 
 def _lag(corner: Fraction | None) -> Poly:
@@ -135,6 +160,7 @@ def _actuator(spec: Section, point: Point) -> tuple[Value, Value, Value]:
 
 
 MOTOR = "motor_inertia", "motor_damping", "spring_stiffness"
+EDGE = "edge", 0  # the parameter that runs along the edge of the box
 
 
 def _compensator(given: Section, point: Point) -> tuple[Value, Value]:

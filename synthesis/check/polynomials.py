@@ -66,6 +66,10 @@ class Poly(Ring):
         """`conj p(jω) = p(−jω)`."""
         return Poly(tuple(-a if k % 2 else a for k, a in enumerate(self.c)), self.d)
 
+    def norm2(self) -> Poly:
+        """`|p(jω)|²`, a polynomial in x = ω²."""
+        return (self * self.conj()).parts()[0]  # type: ignore[no-any-return]
+
     def parts(self) -> tuple[Poly, Poly]:
         """`Re p(jω)` and `Im p(jω)/ω`, polynomials in x = ω²."""
         signed = [a if k % 4 < 2 else -a for k, a in enumerate(self.c)]
@@ -97,6 +101,38 @@ def _trimmed(c: list[int]) -> list[int]:
 ZERO, ONE, X = Poly(()), Poly((1,)), Poly((0, 1))
 
 
+@dataclass(frozen=True)
+class Family(Ring):
+    """A polynomial in s that is affine in every one of some parameters: products of these, and what they multiply."""
+
+    terms: tuple[tuple[tuple[Any, ...], Poly], ...]
+
+    @staticmethod
+    def _of(terms: Iterable[tuple[tuple[Any, ...], Poly]]) -> Family:
+        found: dict[tuple[Any, ...], Poly] = {}
+        for keys, p in terms:
+            found[keys] = found[keys] + p if keys in found else p
+        return Family(tuple((keys, p) for keys, p in sorted(found.items()) if p))
+
+    def __bool__(self) -> bool:
+        return bool(self.terms)
+
+    def __add__(self, other: Any) -> Any:
+        return Family._of([*self.terms, *_terms(other)]) if isinstance(other, Poly | Family) else NotImplemented
+
+    def __neg__(self) -> Family:
+        return Family(tuple((keys, -p) for keys, p in self.terms))
+
+    def __mul__(self, other: Any) -> Any:
+        if not isinstance(other, Poly | Family):
+            return NotImplemented
+        return Family._of((tuple(sorted(a + b)), p * q) for a, p in self.terms for b, q in _terms(other))
+
+
+def _terms(value: Any) -> tuple[tuple[tuple[Any, ...], Poly], ...]:
+    return value.terms if isinstance(value, Family) else (((), value),)
+
+
 def on_axis(p: Any, q: Any) -> tuple[Any, Any]:
     """`Re[p(jω) conj q(jω)]` and `Im[…]/ω`: polynomials in x = ω², or forms on a cell."""
     return (p * q.conj()).parts()  # type: ignore[no-any-return]
@@ -104,7 +140,7 @@ def on_axis(p: Any, q: Any) -> tuple[Any, Any]:
 
 def norm2(p: Any) -> Any:
     """`|p(jω)|²`: a polynomial in x = ω², or a form on a cell."""
-    return on_axis(p, p)[0]
+    return p.norm2()
 
 
 def size(a: Iterable[int]) -> int:

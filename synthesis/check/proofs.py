@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from decimal import Decimal
 from fractions import Fraction
 from functools import reduce
@@ -10,13 +10,14 @@ from math import inf
 from operator import add, mul
 from typing import Any
 
-from .cells import ZERO, Cell, Ranges, cover, roots
+from .cells import ZERO, Cell, Point, Ranges, roots
 from .forms import UnresolvedError
-from .joint import Joint, Point, ranges, stiffness
+from .joint import EDGE, Joint, View, ranges, stiffness
 from .outcome import FALSE, UNDECIDED, CheckError, demand
-from .polynomials import ONE, Poly, decays_faster
+from .polynomials import ONE, Family, Poly, decays_faster
 from .positivity import counterexample, square
 from .requirements import ALL, SIGNED, WHOLE, Kind, asked, required_kinds
+from .search import cover
 from .statements import STATEMENTS, port_ends
 
 VIEWS = 4096  # joints on a cell that are kept for the next claim
@@ -29,12 +30,33 @@ class Prover:
         self.spec, self.deadline, self.omega_b = certificate["spec"], deadline, certificate["bandwidth"]["proven"]
         self.controller = controller or certificate["controller"]
         self.sampled, self.table = bool(self.spec["sampling"]), self.spec["uncertainty"]["table"] or {"points": []}
-        self.exact, self.views = Joint(self.spec, self.controller, {}), dict[Any, Joint]()
+        self.joints, self.views, self.cells = dict[Any, Joint](), dict[Any, View](), dict[Any, Cell]()
+        self.nominal = self.joint({})
+
+    def joint(self, point: Point, symbols: Iterable[Any] = ()) -> Joint:
+        """The joint where parameters have these values, or are symbols."""
+        key = *point.items(), *symbols
+        if key not in self.joints:
+            self.joints = self.joints if len(self.joints) < VIEWS else {}
+            free = {name: Family((((name,), ONE),)) for name in symbols}
+            self.joints[key] = Joint(self.spec, self.controller, {**point, **free})
+        return self.joints[key]
+
+    def view(self, cell: Cell, point: Point) -> View:
+        """The joint on a cell, kept for the next claim."""
+        if len(self.views) > VIEWS:
+            self.views, self.cells = {}, {}
+            cell.cache.clear()
+        cell = self.cells.setdefault(cell.key, cell)
+        key = (*cell.key, *point.items())
+        if key not in self.views:
+            self.views[key] = View(self.joint(point, cell.ranges), self.nominal, cell)
+        return self.views[key]
 
     def fault(self, kind: Kind, v: Fraction, interval: Any, whole: bool, witness: dict[str, Any] | None = None) -> str:
         """Where the statement fails at v, for all uncertainty or at the witness; empty if it is proven."""
         given = [(at, witness.get(name) or {}) for name, at in PLACES.items()] if witness else []
-        point = {(section, key): Poly.of(part) for section, parts in given for key, part in parts.items()}
+        point = {(section, key): part for section, parts in given for key, part in parts.items()}
         if kind[1] == "coefficients":
             return self._perturbed(witness) if witness else self._tolerance(v)
         if kind[1] == "box" and not witness:
@@ -42,37 +64,38 @@ class Prover:
         if kind[0].startswith("stability"):
             return self._unstable(kind[0], ZERO if kind[1] == "box" else v, point)
         load = stiffness(witness["load"].values()) if witness and witness["load"] else None
+        point = {key: part for key, part in point.items() if key[0] != "plant"}
         return self._statement(kind, v, interval, whole, load, point, {})
 
     def _statement(
-        self, kind: Kind, v: Fraction, interval: Any, whole: bool, load: Poly | None, point: Point, extra: Ranges
+        self, kind: Kind, v: Fraction, interval: Any, whole: bool, load: Poly | None, point: Point, symbols: Ranges
     ) -> str:
         """By polynomials where there are only those and at most two roots, else on cells."""
-        box, friction = self.spec["uncertainty"]["box"], kind[0] == "friction"
-        family = {k: part for k, part in ranges(self.spec, ALL[1:]).items() if k not in point} | extra
-        if kind[0] in ("eq9", "eq18") and load is None and box and box["stiffness"][1] > 0:
-            family["edge", 0] = ZERO, Fraction(1)
-        exact = not (family or self.sampled or self.table["points"])
-        if exact and any(key[0] != "plant" for key in point):
-            self = Prover({"spec": self.spec, "bandwidth": {"proven": self.omega_b}}, self.deadline, self.controller)
-            self.exact = Joint(self.spec, self.controller, point)
+        (statement, sections), given, friction = STATEMENTS[kind], self.spec["uncertainty"], kind[0] == "friction"
+        family = {k: part for k, part in ranges(self.spec, ALL[1:]).items() if k[0] in sections and k not in point}
+        if EDGE[0] in sections and load is None and given["box"] and given["box"]["stiffness"][1] > 0:
+            family[EDGE] = ZERO, Fraction(1)
+        # Where two moduli are added, or a margin is squared, the degree in a parameter is 4.
+        disc = given["weight"] or self.table["points"] or kind[1] == "disc"
+        twice = EDGE in family or kind[0] in ("eq12", "rendering", "friction")
+        degree = 4 if kind[1].startswith(("paper", "lumped")) or (disc and twice) else 2
         for end in (end for end in interval if whole and end in WHOLE and (friction or kind in SIGNED)):
-            at = Cell(ZERO, ZERO, end == inf, family)
-            j, name = self.exact if exact else self._joint(at, point), "Z at infinity" if end else "Z(0)"
-            if cover([at], lambda cell, j=j: port_ends(friction, j, cell, load), self.deadline):  # type: ignore[misc]
+            at, name = Cell(ZERO, ZERO, end == inf, symbols), "Z at infinity" if end else "Z(0)"
+
+            def ends(cell: Cell, there: Point) -> Iterator[Any]:
+                return port_ends(friction, self.joint({**point, **there}, cell.ranges), self.nominal, cell, load)
+
+            if cover([at], ends, self.deadline, family, degree):
                 return f": {name} is not finite and {'>' if friction else '>='} 0"
-        parts = list(STATEMENTS[kind](self.exact, v, load)) if exact else []
-        if exact and all(sum(map(bool, part.terms)) < 3 for part in parts):
-            return self._exactly(parts, interval)
+        several = kind == ("eq12", "paper") or (EDGE[0] in sections and given["box"] and given["weight"])
+        if not (family or symbols or self.sampled or self.table["points"] or several):
+            return self._exactly(list(statement(self.joint(point), v, load)), interval)
 
-        def on(cell: Cell) -> Iterator[Any]:
-            key = (*cell.key, *point.items())
-            if key not in self.views:
-                self.views = self.views if len(self.views) < VIEWS else {}
-                self.views[key] = self._joint(cell, point).over_locked(cell)
-            return STATEMENTS[kind](self.views[key], v, load)
+        def on(cell: Cell, there: Point) -> Iterator[Any]:
+            return statement(self.view(cell, {**point, **there}), v, load)
 
-        return cover(roots(interval, [ω for ω, _ in self.table["points"]], family), on, self.deadline)
+        cells = roots(interval, [ω for ω, _ in self.table["points"]], symbols)
+        return cover(cells, on, self.deadline, family, degree)
 
     def _exactly(self, parts: list[Any], interval: Any) -> str:
         undecided, (lo, hi) = None, map(square, interval)
@@ -88,41 +111,32 @@ class Prover:
             raise undecided
         return ""
 
-    def _joint(self, cell: Cell, point: Point) -> Joint:
-        return Joint(self.spec, self.controller, {**point, **{key: cell.symbol(key) for key in cell.ranges}}, cell)
-
     def _unstable(self, name: str, v: Fraction, point: Point) -> str:
         """Why the roots at one point are not all at Re s < −v; empty if they are."""
         if self.sampled:
             return self._turns(name, point)
-        j = Joint(self.spec, self.controller, point)
+        j = self.joint(point)
         f = add(*j.loop(name))
         if not decays_faster(f, v, self.deadline):
             return ": a root does not decay at the stated rate"
         lost = name == "stability-locked" and len(f.c) < len(j.E.c)  # a lost degree is a root at infinity
         return ": 1 + HCF vanishes at infinity" if lost else ""
 
-    def _reference(self, name: str, point: Point, family: Ranges) -> Poly:
-        """`(s + a)^n`, a a power of two, n the undelayed part's degree, above that of what the hold multiplies."""
-        undelayed, delayed = self.exact.loop(name)
-        f = undelayed + delayed
-        p, k = undelayed if self.sampled else f, 0
-        demand(bool(p) and bool(f) and f.c[0] != 0, "a root at zero", FALSE)
-        k = (f.c[0].bit_length() - f.d.bit_length() - p.c[-1].bit_length() + p.d.bit_length()) // max(len(p.c) - 1, 1)
-        reference: Poly = reduce(mul, [Poly.of(Fraction(2) ** k, 1)] * (len(p.c) - 1), ONE)
-        if self.sampled:
-            far = Cell(ZERO, ZERO, True, family)
-            other = Prover({"spec": {**self.spec, "sampling": None}, "bandwidth": {"proven": ZERO}}, 0, self.controller)
-            slower = far.axis(other._joint(far, point).loop(name)[1]) * far.axis(reference).inverse()
-            demand(slower.bounded(), "the loop at infinity depends on the hold", UNDECIDED)
-        return reference
-
     def _turns(self, name: str, point: Point) -> str:
-        """Quarter turns of f/reference from ω = 0 to ∞: as many half-planes as there are cells, neighbours adjacent."""
-        reference, path = self._reference(name, point, {}), list[int]()
+        """Quarter turns of f/(s + a)^n from ω = 0 to ∞: as many half-planes as there are cells, neighbours adjacent.
 
-        def on(cell: Cell) -> Iterator[Any]:
-            z = cell.axis(add(*self._joint(cell, point).loop(name))) * cell.axis(reference).inverse()
+        a is a power of two, n the degree of what the hold does not multiply, which has to be the larger one."""
+        j, path = self.joint(point), list[int]()
+        undelayed, delayed = j.loop(name)
+        f = undelayed + delayed
+        demand(bool(undelayed) and bool(f) and f.c[0] != 0, "a root at zero", FALSE)
+        demand(len(delayed.c) <= len(undelayed.c), "the loop at infinity depends on the hold", UNDECIDED)
+        n, low, high = len(undelayed.c) - 1, Fraction(f.c[0], f.d), Fraction(undelayed.c[-1], undelayed.d)
+        k = (abs(low / high).numerator.bit_length() - abs(low / high).denominator.bit_length()) // max(n, 1)
+        reference: Poly = reduce(mul, [Poly.of(Fraction(2) ** k, 1)] * n, ONE)
+
+        def on(cell: Cell, _: Point) -> list[Any]:
+            z = j.value(cell, name) * cell.axis(reference).inverse()
             signs = [f.sign() == 1 for f in (z.p, z.q, -z.p, -z.q)]
             if cell.ends:  # real there
                 signs = [sign and k % 2 == 0 and z.p.m == 0 for k, sign in enumerate(signs)]
@@ -131,22 +145,25 @@ class Prover:
             if found is None:
                 raise UnresolvedError
             path.append(found)
-            yield from ()
+            return []
 
         cover(roots(WHOLE, [], {}), on, self.deadline)
         return f": {abs(path[-1] - path[0]) // 2} roots with Re s > 0" if path[-1] != path[0] else ""
 
-    def _box(self, name: str, v: Fraction, extra: Ranges) -> str:
+    def _box(self, name: str, v: Fraction, symbols: Ranges) -> str:
         """No root on the axis for any parameters in the box scaled by v: none crosses from the stable nominal."""
         if fault := self._unstable(name, ZERO, {}):
             return fault
-        family = {**(ranges(self.spec, ALL if name == "stability-free" else ALL[2:], v) if v else {}), **extra}
-        reference = self._reference(name, {}, family)
+        family = ranges(self.spec, ALL if name == "stability-free" else ALL[2:], v) if v else {}
+        motor = {key: part for key, part in family.items() if key[0] == "actuator"}
+        linear = {key: part for key, part in family.items() if key not in motor} | symbols
 
-        def on(cell: Cell) -> Iterator[Any]:
-            yield cell.axis(add(*self._joint(cell, {}).loop(name))) * cell.axis(reference).inverse()
+        def on(cell: Cell, there: Point) -> list[Any]:
+            if "by" not in cell.cache:
+                cell.cache["by"] = self.nominal.value(cell, name).inverse()
+            return [self.joint(there, cell.ranges).value(cell, name) * cell.cache["by"]]
 
-        return cover(roots(WHOLE, [], family), on, self.deadline, ALL[2:])
+        return cover(roots(WHOLE, [], linear), on, self.deadline, motor, 1)
 
     def _tolerance(self, v: Fraction) -> str:
         """Every required claim at its required level, for every coefficient c(1 + e), |e| ≤ v."""

@@ -2,44 +2,52 @@
 
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from functools import partial, reduce
-from itertools import product
-from operator import mul
+from functools import partial
 
 from .cells import Cell
-from .joint import Joint, Real, S, Value
+from .joint import EDGE, Joint, Real, S, Value, ranges
 from .outcome import MISMATCH, demand
 from .polynomials import ONE, ZERO, Poly, X, norm2, on_axis
 from .positivity import Inequality
 
 Load = Poly | None  # dynamic stiffness of the one load of a witness; None: every load of the uncertainty
 Parts = Iterator[Inequality]  # to be proven
+LOADED = "impedance", "actuator"  # sections of parameters that a statement depends on
 
 
 def _ratios(j: Joint, load: Load, edge: bool = False) -> list[tuple[Real, Real]]:
     """`|ĝ − g|²` and `|g|²` for every load that can decide; on the edge where it is a parameter."""
     loads = [*j.loads(load), *(j.edge if edge and load is None else [])]
-    return [(norm2(j.nominal - g), norm2(g)) for g in loads] if j.box else [(ZERO, ONE)]
+    return [(norm2(j.nominal - g), norm2(g)) for g in loads]
 
 
 def _discs(j: Joint, load: Load) -> list[tuple[Real, Real]]:
     """Lumped radius from a box or from discs: pairs with `V² = pair[0]/pair[1]`, V the largest over the pairs."""
-    disc = any(j.spec["uncertainty"][key] for key in ("weight", "table"))
-    demand(not (j.box and disc), "this form is for a box or for discs, not for both", MISMATCH)
+    discs = any(j.spec["uncertainty"][key] for key in ("weight", "table"))
+    demand(not (j.box and discs), "this form is for a box or for discs, not for both", MISMATCH)
     return _ratios(j, load) if j.box else [j.disc]
 
 
 def _small_gain(j: Joint, v: Fraction, load: Load, a: Value, b: Value, p: Value = ZERO) -> Parts:
-    """`|p| + v W |a| < |b|`, 1 + W = Π (1 + W_i), W_i² = gap/size, W_b = |ĝ−g|/|g|, multiplied by the sizes."""
+    """`|p| + v W |a| < |b|`, 1 + W = (1 + W_b)(1 + V), W_b = |ĝ−g|/|g|, multiplied by |g|, or by V's denominator."""
     a2, b2, p2 = Poly.of(v**2) * norm2(a), norm2(b), norm2(p)
-    for ratio in _ratios(j, load, edge=True):
-        sources = [ratio, *j.sources]
-        whole = reduce(mul, [size for _, size in sources])
-        terms = [p2 * whole]
-        for chosen in product((0, 1), repeat=len(sources)):  # gaps of these, sizes of the others
-            factors = [source[1 - c] for source, c in zip(sources, chosen, strict=True)]
-            terms += [reduce(mul, factors, a2)] if any(chosen) else []
-        yield Inequality(terms, b2 * whole)
+    if not (j.box and j.disc[0]):
+        for gap, size in _ratios(j, load, edge=True) if j.box else [j.disc]:
+            yield Inequality([p2 * size, a2 * gap], b2 * size)
+        return
+    V2 = (a2.cell.real(j.disc[0]) * a2.cell.real(j.disc[1]).inverse()).at(0)  # both: on cells only
+    V = V2.root()
+    for k, (gap, size) in enumerate(_ratios(j, load, edge=True)):
+        ratio = a2.cell.real(gap) * a2.cell.real(size).inverse()
+        if k < len(j.loads(load)) and ratio.m >= 0:
+            W = (ratio.at(0).root() + ONE) * (V + ONE) - ONE
+            yield Inequality([p2, W * W * a2], b2)
+        elif not p or ranges(j.spec, LOADED):
+            yield Inequality([p2 * size, V2 * a2 * size, (V + ONE) * (V + ONE) * a2 * gap], b2 * size)
+        else:  # a polynomial along the edge, not in other parameters
+            most, last = ((norm * b2.inverse()).at(0) for norm in (p2, a2))
+            P = most.root() + V * last.root()
+            yield Inequality([P * P * size, (V + ONE) * (V + ONE) * last * gap], size)
 
 
 def eq12_paper(j: Joint, v: Fraction, load: Load) -> Parts:
@@ -55,36 +63,40 @@ def eq12_paper(j: Joint, v: Fraction, load: Load) -> Parts:
 
 
 def passivity(form: str, j: Joint, v: Fraction, load: Load) -> Parts:
-    """`Re[N/Ds] − ρ|E g/Ds| − Re[c E g/Ds] ≥ v`, N = E g + M, V² = gap/size < 1, times |D|²(size − gap).
+    """`Re[N/Ds] − ρ|E g/Ds| − Re[c E g/Ds] ≥ v`, N = E g + M = D g + L, V² = gap/size < 1, times |D|²(size − gap).
     D = locked: the port Z/s. D = E: `(L R m + Z_0)/s`, friction, strict at v = 0. Concave in g: the corners decide."""
     D, strict = (j.E, v == 0) if form == "friction" else (j.locked, False)
     pairs = [(j.nominal, disc) for disc in _discs(j, load)] if form == "disc" else [(g, j.disc) for g in j.loads(load)]
     D2 = norm2(D)
     for g, (gap, size) in pairs:
-        Y, rest = j.E * g, size - gap
-        margin = (on_axis(Y + j.M, D)[1] - Poly.of(v) * D2) * rest + gap * on_axis(Y, D)[1]
-        yield Inequality([], margin, strict, D2 * rest)
+        L, room = j.M if form == "friction" else j.M - j.rest * g, size - gap
+        margin = ((on_axis(g, ONE)[1] - Poly.of(v)) * D2 + on_axis(L, D)[1]) * room
+        if gap:
+            Y = j.E * g
+            margin = margin + gap * on_axis(Y, D)[1]
+        yield Inequality([], margin, strict, D2 * room)
         if gap:
             yield Inequality([gap], size)
             yield Inequality([gap * size * norm2(Y) * D2], X * margin * margin, strict)
 
 
-def port_ends(friction: bool, j: Joint, cell: Cell, load: Load) -> Iterator[Inequality | str]:
+def port_ends(friction: bool, j: Joint, nominal: Joint, cell: Cell, load: Load) -> Parts:
     """Where Re(Z/s) is silent about the pole of Z/s: Z(0) ≥ 0 and lim Z/s² ≥ 0; friction: N(g)/N(ĝ) > 0 there.
     A disc makes the value A − (A−B)e, B that of E g, over all real e in [−V, V]: A ≥ 0 and (A−B)² V² ≤ A².
-    The cell is the point ω = 0 or ∞."""
-    gap, size = (cell.real(part) for part in j.disc)
-    V2 = (gap * size.inverse()).at(0)
-    below = cell.axis(j.free(j.nominal) if friction else j.locked * (S * S if cell.far else ONE)).inverse()
+    The cell is the point ω = 0 or ∞; A and B are taken over the nominal's denominator, and times this one's."""
+    gap, size = map(cell.real, j.disc_on(cell))
+    V2, name = (gap * size.inverse()).at(0), "stability-free" if friction else "stability-locked"
+    by = nominal.value(cell, name, nominal.nominal).inverse()
+    power = (S * S if cell.far and not friction else ONE) * cell.axis(ONE)
+    below, over = j.value(cell, name, j.nominal) * by, by * power.inverse()
     for g in j.loads(load):
-        A, B = cell.axis(j.free(g)) * below, cell.axis(j.E * g) * below
-        if A.bounded() and B.bounded():
-            a = A.p.at(0)
-            yield Inequality([], a, friction)
-            if j.sources:
-                yield Inequality([V2 * (a - B.p.at(0)) * (a - B.p.at(0))], a * a, friction)
-        else:
-            yield f"{'Z at infinity' if cell.far else 'Z(0)'} is not finite and {'>' if friction else '>='} 0"
+        A, B = j.value(cell, "stability-free", g) * over, cell.axis(j.E * g) * over
+        finite = A.bounded() and B.bounded() and below.bounded()
+        a, b, c = (z.p.at(0) if finite else cell.form(-1) for z in (A, B, below))
+        yield Inequality([], c * c)
+        yield Inequality([], a * c if finite else a, friction)
+        if gap:
+            yield Inequality([V2 * (a - b) * (a - b)], a * a, friction)
 
 
 def eq18(form: str, actuator: str, j: Joint, v: Fraction, load: Load) -> Parts:
@@ -93,7 +105,7 @@ def eq18(form: str, actuator: str, j: Joint, v: Fraction, load: Load) -> Parts:
     if actuator == "ideal":
         D0, T = j.E_i * j.nominal + j.U_n, j.U_n
     if actuator == "frozen":
-        T, D = j.n_H * j.U_n, j.D_i * (j.d * j.nominal + j.n_Z)
+        T, D = j.driven, j.D_i * (j.d * j.nominal + j.n_Z)
     if form == "paper":
         return _small_gain(j, v, load, T, D, D0 - D)
     if form == "lumped":
@@ -120,17 +132,20 @@ def rendering(j: Joint, v: Fraction, load: Load) -> Parts:
         yield Inequality([left2, gap * size * norm2(Y)], bound, strict=False)
 
 
-STATEMENTS: dict[tuple[str, str], Callable[[Joint, Fraction, Load], Parts]] = {
-    ("bandwidth", "attenuation"): partial(sensitivity, "bandwidth"),
-    ("peak", "sensitivity"): partial(sensitivity, "peak"),
-    ("noise", "command"): partial(sensitivity, "noise"),
-    ("rendering", "every-load"): rendering,
-    ("friction", "strictly-positive-real"): partial(passivity, "friction"),
-    ("eq9", "printed"): partial(eq18, "half-plane", "ideal"),
-    ("eq12", "paper"): eq12_paper,
-    **{("eq12", form): partial(passivity, form) for form in ("disc", "structured")},
+DRIVEN = *LOADED, EDGE[0]
+STATEMENTS: dict[
+    tuple[str, str], tuple[Callable[[Joint, Fraction, Load], Parts], tuple[str, ...]]
+] = {  # and its parameters
+    ("bandwidth", "attenuation"): (partial(sensitivity, "bandwidth"), ("actuator",)),
+    ("peak", "sensitivity"): (partial(sensitivity, "peak"), ("actuator",)),
+    ("noise", "command"): (partial(sensitivity, "noise"), ("actuator",)),
+    ("rendering", "every-load"): (rendering, LOADED),
+    ("friction", "strictly-positive-real"): (partial(passivity, "friction"), LOADED),
+    ("eq9", "printed"): (partial(eq18, "half-plane", "ideal"), ("impedance", EDGE[0])),
+    ("eq12", "paper"): (eq12_paper, ("impedance",)),
+    **{("eq12", form): (partial(passivity, form), LOADED) for form in ("disc", "structured")},
     **{
-        ("eq18", f"{f}/{c}"): partial(eq18, f, c)
+        ("eq18", f"{f}/{c}"): (partial(eq18, f, c), DRIVEN)
         for c in ("frozen", "physical")
         for f in ("paper", "lumped", "half-plane")
     },

@@ -11,10 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robimp.synthesis.check.cells import Cell, cover
+from robimp.synthesis.check.cells import Cell
 from robimp.synthesis.check.outcome import CheckError
 from robimp.synthesis.check.polynomials import ONE, ZERO, Poly, common_divisor, decays_faster, norm2, on_axis, product
 from robimp.synthesis.check.positivity import Inequality, Point, counterexample, failure
+from robimp.synthesis.check.search import cover
 
 ZERO_X, INF = (0, 1), (1, 0)
 ROOTS = st.fractions(min_value=-4, max_value=40, max_denominator=7)
@@ -47,7 +48,7 @@ def decide(inequality: Inequality, lo: Point, hi: Point) -> str:
         inner = [Fraction(4) ** k for k in range(-8, 9)]
         points = [ends[0], *(x for x in inner if ends[0] < x < ends[1]), ends[1]]
         cells = [Cell(Fraction(a), Fraction(b), False, {}) for a, b in pairwise(points)]
-    return "refuted" if cover(cells, lambda cell: iter([inequality]), soon()) else "proven"
+    return "refuted" if cover(cells, lambda cell, _: [inequality], soon()) else "proven"
 
 
 @settings(max_examples=150, deadline=None)

@@ -1,0 +1,160 @@
+"""Parameters by control points: the degrees they rest on, the coefficients, and what halving them decides."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from math import comb, inf
+from time import monotonic
+
+import pytest
+from certificate_builder import EQ23, data, seal, spec
+from certificate_builder import certificate as certificate_of
+from claim_floats import Json
+
+from robimp.synthesis.check.cells import Cell
+from robimp.synthesis.check.joint import EDGE, Joint
+from robimp.synthesis.check.outcome import CheckError
+from robimp.synthesis.check.polynomials import Poly
+from robimp.synthesis.check.positivity import Inequality
+from robimp.synthesis.check.proofs import Prover
+from robimp.synthesis.check.reader import read
+from robimp.synthesis.check.search import control, cover
+from robimp.synthesis.check.statements import STATEMENTS
+
+WEIGHT = {"numerator": ["1/20", "0"], "denominator": ["1", "100"]}
+BOX = {"inertia": ["3/125", "9/250"], "damping": ["3/25", "7/25"], "stiffness": ["1/2", "3/2"]}
+SOURCES: dict[str, Json] = {"box": {"box": BOX, "weight": None}, "disc": {"box": None, "weight": WEIGHT}}
+KEYS = [
+    *(("impedance", key) for key in ("inertia", "damping", "stiffness")),
+    *(("actuator", key) for key in ("motor_inertia", "motor_damping", "spring_stiffness")),
+    EDGE,
+]
+
+
+def prover_of(uncertainty: Json) -> Prover:
+    plant = {"inertia": "3/100", "damping": "1/5", "stiffness": "1"}
+    s = spec(plant=plant, uncertainty=uncertainty, constraints={"eq12": None, "eq9": None, "eq18": None})
+    s["controller"]["filters"] = {"force": "500", "position": "400", "derivative": "2000"}
+    return Prover(read(data(seal(certificate_of(spec(), EQ23) | {"spec": s}))), monotonic() + 60)
+
+
+def value(p: Poly, x: Fraction) -> Fraction:
+    return sum((Fraction(a, p.d) * x**k for k, a in enumerate(p.c)), Fraction(0))
+
+
+def difference(values: list[Fraction], order: int) -> Fraction:
+    """Zero for a polynomial of a degree below the order."""
+    return sum(((-1) ** (order - k) * comb(order, k) * v for k, v in enumerate(values)), Fraction(0))
+
+
+@pytest.mark.parametrize("source", SOURCES)
+@pytest.mark.parametrize("kind", STATEMENTS, ids=" ".join)
+def test_a_statement_has_the_degree_that_the_search_takes_it_to_have(kind: tuple[str, str], source: str) -> None:
+    """2 in every parameter, 4 for the squared margin over a disc, 0 in what a statement is said not to depend on."""
+    prover, rng = prover_of(SOURCES[source]), random.Random(str(kind))
+    statement, sections = STATEMENTS[kind]
+    for key in KEYS:
+        start, step = Fraction(rng.randint(1, 9), 3), Fraction(rng.randint(1, 9), 5)
+        grid = [prover.joint({EDGE: Fraction(1, 3), key: start + k * step}) for k in range(6)]
+        try:
+            rows = [[p for part in statement(j, Fraction(5, 4), None) for p in (*part.terms, part.bound)] for j in grid]
+        except CheckError:  # a form for a box, or for a disc
+            return
+        passive = (source == "disc" or kind[1] == "disc") and kind[0] in ("eq12", "friction")
+        degree = (4 if passive else 2) if key[0] in sections else 0
+        for same in zip(*rows, strict=True):
+            values = [value(p, Fraction(7, 3)) for p in same]
+            assert difference(values[: degree + 2], degree + 1) == 0, (key, degree)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 4])
+def test_control_points_are_the_bernstein_coefficients(degree: int) -> None:
+    cell, rng = Cell(Fraction(1), Fraction(1), False, {}), random.Random(degree)
+    c = [[Fraction(rng.randint(-9, 9)) for _ in range(degree + 1)] for _ in range(degree + 1)]
+
+    def basis(k: int, t: Fraction) -> Fraction:
+        return comb(degree, k) * t**k * (1 - t) ** (degree - k)
+
+    at = [Fraction(k, degree) for k in range(degree + 1)]
+    grid = [
+        sum((c[i][k] * basis(i, u) * basis(k, t) for i in range(degree + 1) for k in range(degree + 1)), Fraction(0))
+        for u in at
+        for t in at
+    ]
+    found = [form.middle() for form in control([cell.form(v) for v in grid], degree, 2)]
+    scale = {1: 1, 2: 4, 4: 36**2}[degree]
+    assert [float(f / scale) for f in found] == pytest.approx([float(v) for row in c for v in row], abs=1e-12)
+
+
+@pytest.mark.parametrize("terms", [0, 1, 2, 3])
+@pytest.mark.parametrize("gap", [Fraction(1, 1000), Fraction(-1, 1000)])
+def test_moduli_of_affine_functions_over_a_box_of_parameters(terms: int, gap: Fraction) -> None:
+    """Their sum against the largest value that it has on the box, a little above and a little below."""
+    keys = ("impedance", "damping"), ("impedance", "stiffness")
+    box = dict.fromkeys(keys, (Fraction(-1), Fraction(1)))
+    rows = [(Fraction(k + 2), Fraction(1), Fraction(k)) for k in range(terms)]
+    top = sum(a + b + c for a, b, c in rows) if rows else Fraction(0)
+
+    def parts(_: Cell, at: dict[tuple[str, str], Fraction]) -> list[Inequality]:
+        u, w = (at[key] for key in keys)
+        if not rows:  # (u − w)² + gap > 0: touches inside and at corners
+            return [Inequality([], Poly.of((u - w) ** 2 + gap))]
+        moduli = [Poly.of((a + b * u + c * w) ** 2) for a, b, c in rows]
+        return [Inequality(moduli, Poly.of((top + gap) ** 2))]
+
+    cell = Cell(Fraction(1), Fraction(1), False, {})
+    text = cover([cell], parts, monotonic() + 20, box, 4 if terms == 2 else 2)
+    assert (text == "") == (gap > 0)
+
+
+def test_everything_of_a_joint_is_affine_in_every_parameter() -> None:
+    prover = prover_of(SOURCES["box"])
+    for key in [key for key in KEYS if key != EDGE] + [("plant", "inertia")]:
+        three = [prover.joint({key: Fraction(k, 7)}) for k in (1, 2, 3)]
+        for name in ("E", "M", "rest", "driven", "carried", "command", "E_i", "D_i", "U_n", "load", "locked"):
+            a, b, c = (getattr(j, name) for j in three)
+            assert a - b - b + c == Poly.of(0), (key, name)
+    assert isinstance(three[0], Joint)
+
+
+def test_a_box_down_to_almost_no_inertia_is_decided_by_halving_what_matters() -> None:
+    """Near the widest box the exclusion rests on Im f: halving the motor's damping for ever would not find it."""
+    changes: Json = {
+        "plant": {"inertia": "231/10000", "damping": "111/1000", "stiffness": "0"},
+        "uncertainty": {
+            "box": {
+                "inertia": ["693/50000", "1617/50000"],
+                "damping": ["111/2500", "111/625"],
+                "stiffness": ["0", "0"],
+            },
+            "weight": None,
+            "actuator": {"motor_damping": ["201/12500", "469/12500"]},
+        },
+        "actuator": {
+            "type": "series-elastic",
+            "motor_inertia": "53/2500",
+            "motor_damping": "67/2500",
+            "spring_stiffness": "789/100",
+            "torque_loop": {"kp": "167/10", "kd": "149/1000", "derivative_corner": "1450", "feedforward": "0"},
+        },
+        "impedance": {
+            "inertia": "231/10000",
+            "damping": ["477/1000", "583/1000"],
+            "stiffness": ["3231/1000", "2513/500"],
+        },
+        "controller": {
+            "type": "dynamic-feedback",
+            "filters": {"force": None, "position": "none", "derivative": "482"},
+        },
+    }
+    controller = {"type": "dynamic-feedback", "C": {"numerator": ["11/2"], "denominator": ["1"]}}
+    whole = certificate_of(spec(), EQ23) | {"spec": spec(**changes), "controller": controller}
+    prover = Prover(read(data(seal(whole))), monotonic() + 60)
+
+    def fault(v: str) -> str:
+        return prover.fault(("stability-free", "box"), Fraction(v), (Fraction(0), inf), True)
+
+    assert fault("2478/1000") == ""
+    with pytest.raises(CheckError):  # an unstable joint is in there
+        fault("2600/1000")
