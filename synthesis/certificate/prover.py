@@ -24,6 +24,7 @@ from .witness import Witness, find_witness
 
 FAR = 1e5  # how far beyond the joint's own frequencies the grid reaches
 LARGEST_LEVEL = 1e6  # levels beyond this are not searched for
+BASINS = 4  # local minima of the margin around which the grid is refined
 
 
 @dataclass(frozen=True)
@@ -135,27 +136,30 @@ class Prover:
         return tuple(found)
 
     def focused(self, constraint: Constraint) -> Prover:
-        """The same prover with a grid refined twice around the constraint's worst frequency."""
+        """The same prover with a grid refined twice around the frequencies where the constraint is tightest."""
         prover = self
         for _ in range(2):
-            _, worst = prover.best_level(constraint)
-            omega = prover.evaluator.omega
-            k = int(np.searchsorted(omega, worst))
-            near = np.linspace(omega[max(k - 1, 0)], omega[min(k + 1, omega.size - 1)], 64)
-            prover = replace(prover, evaluator=Evaluator(self.subject.setting, np.unique([*omega, *near])))
+            omega, tight = prover.evaluator.omega, prover._tightness(constraint)
+            padded = np.concatenate([[np.inf], tight, [np.inf]])
+            lowest = np.flatnonzero((tight <= padded[:-2]) & (tight <= padded[2:]))
+            lowest = lowest[np.argsort(tight[lowest])[:BASINS]]
+            ends = [(omega[max(k - 1, 0)], omega[min(k + 1, omega.size - 1)]) for k in lowest.tolist()]
+            refined = np.unique(np.concatenate([omega, *(np.linspace(low, high, 64) for low, high in ends)]))
+            prover = replace(prover, evaluator=Evaluator(self.subject.setting, refined))
         return prover
 
     def best_level(self, constraint: Constraint) -> tuple[float, float]:
         """The hardest level that holds on the grid, in floats, and the frequency that decides it."""
+        tight = self._tightness(constraint)
+        k = int(np.argmin(tight))
+        return constraint.role.harder * float(tight[k]), float(self.evaluator.omega[k])
+
+    def _tightness(self, constraint: Constraint) -> np.ndarray:
+        """The hardest level that holds at each ω, over all inequalities, negative for a CEILING: the least decides."""
         inside, harder = self.evaluator.inside(constraint), constraint.role.harder
-        worst = (harder * LARGEST_LEVEL, 0.0)
-        for inequality in constraint.inequalities:
-            levels = np.where(inside, self.evaluator.levels(inequality, self.X), harder * LARGEST_LEVEL)
-            levels = np.where(np.isnan(levels), harder * LARGEST_LEVEL, levels)
-            k = int(np.argmin(harder * levels))
-            if harder * levels[k] < harder * worst[0]:
-                worst = (float(levels[k]), float(self.evaluator.omega[k]))
-        return worst
+        levels = [harder * self.evaluator.levels(inequality, self.X) for inequality in constraint.inequalities]
+        tight = np.min([np.where(np.isnan(level), LARGEST_LEVEL, level) for level in levels], axis=0)
+        return np.where(inside, tight, LARGEST_LEVEL)
 
 
 def _strict(constraint: Constraint) -> bool:

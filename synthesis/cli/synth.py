@@ -74,7 +74,7 @@ def _synth_orders(
     from ..report.progress import status_line
     from ..storage import demand_writable, write_atomic
 
-    shared, rows, codes = Shared(), list[OfOrder](), list[ExitCode]()
+    shared, rows, codes, certificates = Shared(), list[OfOrder](), list[ExitCode](), dict[str, bytes]()
     for spec in specs:
         order, began = spec.controller.order or 0, time.monotonic()
         try:
@@ -87,12 +87,15 @@ def _synth_orders(
             continue
         place = folder / f"order-{order}"
         demand_writable(place)
+        certificates[f"{place.name}/certificate.json"] = result.certificate_bytes()
         write_atomic(place / "certificate.json", result.certificate_bytes())
         rows.append(OfOrder(order, float(result.omega_B), time.monotonic() - began))
         codes.append(result.exit_code)
     limit = None if shared.bound is None else shared.bound.omega_B
     write_atomic(folder / "orders.json", dumped(listed(rows, limit)).encode())
     write_atomic(folder / "orders.svg", figure(rows, limit, specs[0].name))
+    if certificates:
+        _report(certificates, folder)
     if as_json:
         say(dumped({"folder": str(folder), **listed(rows, limit)}))
         return codes
@@ -128,11 +131,20 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, a
         raise
     write_atomic(folder / "simulation.json", dumped(simulation(result)).encode())
     write_atomic(folder / "certificate.json", result.certificate_bytes())
+    _report({"certificate.json": result.certificate_bytes()}, folder)
     if as_json:
         say(dumped({"file": str(folder / "certificate.json"), **summary(result)}))
         return result.exit_code
     from ..report.terminal import console, show
 
     show(result, console())
-    say(f"certificate: {folder / 'certificate.json'}")
+    say(f"certificate: {folder / 'certificate.json'}, report: {folder / 'report.html'}")
     return result.exit_code
+
+
+def _report(certificates: dict[str, bytes], folder: Path) -> None:
+    from ..report.html import write_report
+    from ..report.progress import status_line
+
+    with status_line() as progress:
+        write_report(certificates, folder / "report.html", progress)

@@ -56,9 +56,7 @@ def weakest(family: Family, required: Required) -> Weakest | None:
     best: Weakest | None = None
     for constraint, v in required:
         prover = CellProver(replace(family, tolerance=TRIAL))
-        omega = np.concatenate([c.z.ravel() for c in prover.axis(constraint.band) if c.part is Part.MIDDLE])
-        ends = [float(end) for end in constraint.band if end]
-        omega = np.unique([*omega, *ends])
+        omega = np.unique(np.concatenate([_frequencies(cells) for cells in prover.axis(constraint.band)]))
         for _ in range(4):
             found = _on_grid(prover, constraint, v, omega)
             if found is None:
@@ -67,6 +65,12 @@ def weakest(family: Family, required: Required) -> Weakest | None:
             k = int(np.argmin(np.abs(omega - found.point.omega)))
             omega = np.unique(np.linspace(omega[max(k - 1, 0)], omega[min(k + 1, omega.size - 1)], 60))
     return best
+
+
+def _frequencies(cells: Cells) -> NDArray[np.float64]:
+    """Ends of cells [rad/s], those at 0 and ∞ apart."""
+    z = cells.z[cells.z > 0]
+    return 1 / z if cells.part is Part.HIGH else z
 
 
 def _on_grid(prover: CellProver, constraint: Constraint, v: Fraction, omega: NDArray[np.float64]) -> Weakest | None:
