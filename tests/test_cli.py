@@ -70,7 +70,7 @@ def test_the_papers_filter_is_proven(results: Path, tmp_path: Path) -> None:
     run = robimp("synth", PAPER, "-o", tmp_path)
     assert run.code == ExitCode.PROVEN
     assert run.out.startswith("PROVEN  haninger2016-paper  ω_B ≥ 8.87") and run.err == ""
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["certificate.json", "simulation.json"]
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["certificate.json", "report.html", "simulation.json"]
     assert robimp("check", tmp_path / "certificate.json", "--spec", PAPER).code == ExitCode.PROVEN
     assert "refuted" not in {claim["status"] for claim in claims(results, PAPER).values() if claim["required"]}
 
@@ -187,7 +187,7 @@ def test_a_bad_specification_is_one_line_and_writes_nothing(spec: Path, empty: P
 
 
 def test_the_same_run_with_a_good_specification_writes(empty: Path) -> None:
-    assert robimp("synth", PAPER, "-o", empty).code == 0 and len(list(empty.iterdir())) == 2
+    assert robimp("synth", PAPER, "-o", empty).code == 0 and len(list(empty.iterdir())) == 3
 
 
 def test_a_bad_specification_is_refused_by_every_command_that_takes_one(paper: Path) -> None:

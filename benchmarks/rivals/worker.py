@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 import solvers
-from judge import judge
 from task import Task
+from verdicts import judge
 
 
 def row(solver: str, spec_file: Path, order: int, limit: float) -> dict[str, Any]:

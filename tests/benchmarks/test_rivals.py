@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gridded import BACK_OFF, Gridded, Pair
-from judge import judge
 from solvers import NAMES, paper_tuning, scipy_slsqp
 from task import PROBLEMS, Candidate, Task, exact_q
+from verdicts import judge
 from worker import row
 
 from robimp.synthesis import load
@@ -165,6 +165,6 @@ def test_the_checker_is_asked_about_the_rivals_controller_itself(task: Task, mon
         seen.append(json.loads(data)["controller"]["Q"])
         return check_bytes(data)
 
-    monkeypatch.setattr("judge.check_bytes", recording)
+    monkeypatch.setattr("verdicts.check_bytes", recording)
     judge(task, Candidate(exact_q([2000], [1, 70.75, 2500]), None))
     assert seen == [{"numerator": ["2000"], "denominator": ["1", "283/4", "2500"]}]
