@@ -60,7 +60,7 @@ def test_a_press_swallowed_by_the_solver_ends_the_search(tmp_path: Path) -> None
     stub = (
         "from robimp.synthesis.solve.nlp import Program\nfrom robimp.synthesis.solve import bound\n"
         "bound.bound = lambda *arguments, **options: None\n"
-        "Program.solve = swallowing(lambda *arguments: print('solve'))\n"
+        "Program.solve = swallowing(lambda *arguments, **options: print('solve'))\n"
     )
     done = run(stub, "synth", EXAMPLES / "haninger2016.yaml", "-o", tmp_path / "out")
     assert interrupted(done) and done.stdout == "swallowed\nsolve\n", done
