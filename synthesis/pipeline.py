@@ -24,6 +24,7 @@ from .interruption import demand_none, demanding
 from .problem.grid import frequency_scale
 from .problem.setting import Setting
 from .simulation import SampledComparison, Trials, sampled_comparison, verify
+from .spec.demands import FLOAT32
 from .spec.model import Polynomials, Spec
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 Progress = Callable[[str], None]
 
 FLOAT_DECADES = 1e9  # ratio of frequencies beyond which poles in floating point mean little
+SMALLEST, LARGEST = Fraction(1, 2**126), (2 - Fraction(1, 2**23)) * 2**127  # normal numbers of single precision
 VERDICT_CODE = {
     Outcome.PROVEN: ExitCode.PROVEN,
     Outcome.REFUTED: ExitCode.REFUTED,
@@ -153,7 +155,12 @@ def setting_of(spec: Spec) -> Setting:
 
 
 def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
-    """The compensator of given coefficients. Raises: InputError for Q = 1 or an algebraic loop `1 + HCF(∞) = 0`."""
+    """The compensator of given coefficients.
+
+    Raises: InputError for Q = 1, an algebraic loop `1 + HCF(∞) = 0`, or coefficients that single precision cannot hold
+    where the tolerance asked for is its rounding.
+    """
+    _demand_range(setting, coefficients)
     try:
         C = setting.compensator(coefficients)
         setting.loop.Q_tilde(C)
@@ -165,6 +172,18 @@ def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
     if L.relative_degree == 0 and L.num.leading_coefficient() == -L.den.leading_coefficient():
         raise InputError("controller.coefficients: algebraic loop, 1 + HCF vanishes at infinite frequency")
     return C
+
+
+def _demand_range(setting: Setting, coefficients: Polynomials) -> None:
+    """Rounding to float32 is a relative error of 2⁻²⁴ only between its smallest normal and its largest number."""
+    if setting.spec.constraints.tolerance != FLOAT32:
+        return
+    for c in (*coefficients.numerator, *coefficients.denominator):
+        if c and not SMALLEST <= abs(c) <= LARGEST:
+            raise InputError(
+                f"controller.coefficients: {float(c):.4g} is outside the range of single precision, 1.2e-38 to 3.4e38, "
+                "which constraints.tolerance asks for; multiply numerator and denominator by a common factor"
+            )
 
 
 @dataclass

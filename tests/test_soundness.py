@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robimp.synthesis import ExitCode, parse, synthesize
+from robimp.synthesis import ExitCode, InputError, parse, synthesize
 from robimp.synthesis.certificate.claim import Claim
 from robimp.synthesis.certificate.claims import certify
 from robimp.synthesis.certificate.document import NOMINAL_ONLY, OUTSIDE, document, robustly_stable
@@ -126,3 +126,15 @@ def test_a_named_pipe_is_refused_at_once(tmp_path: Path) -> None:
     command = [sys.executable, "-c", "from robimp.synthesis.cli import main; main()", "check", str(pipe)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=20, check=False)
     assert done.returncode == 2 and "named pipe" in done.stderr
+
+
+@pytest.mark.parametrize(("factor", "fits"), [("1e40", False), ("1e-42", False), ("1e30", True)])
+def test_single_precision_has_a_largest_and_a_smallest_number(factor: str, fits: bool) -> None:
+    """A relative error of 2⁻²⁴ is what rounding costs only between them."""
+    text = SOFT_IN_THE_BOX.replace("LOW", "19.9").replace("CONSTRAINTS", "{peak: 3, tolerance: float32}")
+    text = text.replace("[0.1]", f"[0.1{factor[1:]}]").replace("[1, 1]", f"[{factor}, {factor}]")
+    if fits:
+        assert synthesize(parse(text)).exit_code == ExitCode.PROVEN
+    else:
+        with pytest.raises(InputError, match="single precision"):
+            synthesize(parse(text))

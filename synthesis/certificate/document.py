@@ -18,6 +18,7 @@ from .outcome import Outcome
 FORMAT = 1
 PHYSICS = "the joint obeys (1) and, with a series-elastic actuator, (13) with motor damping: linear and time-invariant"
 CONTINUOUS = "the controller runs in continuous time with exactly the coefficients printed here"
+TOLERANT = "the controller runs in continuous time; its coefficients are those printed here, within the tolerance"
 HELD = "between command and torque lie a hold of one period and the stated delay; the aliases of sampling are left out"
 LIMITS = "torques stay within the actuator's limits"
 BOUND = "bandwidth.bound is a solver's figure on a frequency grid"
@@ -37,6 +38,7 @@ def document(
 ) -> dict[str, Any]:
     """The certificate of one controller as the JSON object that is written."""
     band, held = next(claim for claim in claims if claim.id == "bandwidth"), setting.spec.sampling is not None
+    tolerant = any(claim.id == "tolerance" and claim.status is Outcome.PROVEN for claim in claims)
     body: dict[str, Any] = {
         "robimp_certificate": FORMAT,
         "spec": canonical(setting.spec),
@@ -48,7 +50,7 @@ def document(
             "bound": None if bound is None else number_text(bound),
         },
         "claims": [_claim(claim) for claim in claims],
-        "assumptions": [PHYSICS, HELD if held else CONTINUOUS, LIMITS],
+        "assumptions": [PHYSICS, HELD if held else TOLERANT if tolerant else CONTINUOUS, LIMITS],
         "not_claimed": [
             BOUND,
             SAMPLED if held else UNSAMPLED,

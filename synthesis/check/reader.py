@@ -18,7 +18,7 @@ NUMBER = re.compile(r"(-?(?:0|[1-9][0-9]*))(?:/([1-9][0-9]*))?")
 FORMS = {"eq23": (0, 2, 2, False), "p": (0, 0, 0, False), "pi": (1, 1, 1, True)}
 FORMS |= {"lead-lag": (1, 0, 1, False), "pi-lead": (2, 1, 2, True)}
 FORMS |= {f"{k}-filtered": (z, low + 1, high + 1, i) for k, (z, low, high, i) in FORMS.items() if k != "eq23"}
-STRUCTURE = re.compile(rb'"(?:[^"\\]|\\.)*"|[\[\]{}]', re.DOTALL)
+STRUCTURE = re.compile(rb'"(?:[^"\\]|\\.)*"?|[\[\]{}]', re.DOTALL)  # a string without end is one match, too
 
 
 def read(data: bytes) -> dict[str, Any]:

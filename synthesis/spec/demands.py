@@ -27,7 +27,7 @@ from .units import FREQUENCY, RATIO, Mechanics
 ORDERS = {"dob": (2, 8), "dynamic-feedback": (0, 8)}
 """Least and greatest order of a controller that is searched, by type."""
 _CHOICES = ("order", "form", "coefficients")
-_FLOAT32 = Fraction(1, 2**24)  # half a unit in the last place: what rounding to single precision changes at most
+FLOAT32 = Fraction(1, 2**24)  # half a unit in the last place: what rounding to single precision changes at most
 
 
 def controller(node: Node) -> Controller:
@@ -154,7 +154,7 @@ def _noise(node: Node) -> Noise:
 def _tolerance(node: Node) -> Fraction:
     if isinstance(node, Scalar) and node.text.startswith("float"):
         word(node, "float32")
-        return _FLOAT32
+        return FLOAT32
     part = above(node, 0, RATIO)
     message = f"expected a tolerance below 1, the part by which a coefficient may be wrong; found {described(node)}"
     require(part < 1, message, node.where)

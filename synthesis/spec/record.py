@@ -72,6 +72,8 @@ def _fault(record: Record, usual: dict[Fraction, Fraction]) -> str:
     if lost >= DEAD * count:
         lowest = f"the least {decimal_text(least)} at {decimal_text(where)} rad/s ({decimal_text(where / TWO_PI)} Hz)"
         return f"dead: coherence below {float(SILENT_COHERENCE)} at {lost} of {count} points, {lowest}"
+    if (nothing := sum(_squared(s) == 0 for s in record.samples)) >= DEAD * count:
+        return f"dead: gain 0 at {nothing} of {count} points"
     if low >= DEAD * count:
         return f"dead: gain below {float(SILENT_GAIN)} of the other records' at {low} of {count} points"
     middle = median(value for value, _ in coherent) if coherent else Fraction(1)

@@ -68,6 +68,7 @@ UNREADABLE: dict[str, tuple[Callable[[], bytes], str]] = {
     "true for 1": (replaced('"robimp_certificate": 1', '"robimp_certificate": true'), "robimp_certificate"),
     "other version": (replaced('"robimp_certificate": 1', '"robimp_certificate": 2'), "robimp_certificate"),
     "deep": (lambda: b"[" * 100_000, "nested"),
+    "string without end": (lambda: b'"' + rb"\"" * 500_000, "not JSON"),  # looked through once, not once for each quote
     "large": (lambda: b" " * 4_000_001, "more than"),
     "flipped digit": (replaced('"283/4"', '"281/4"'), "digest"),
     "flipped digest": (lambda: data({**REFERENCE, "spec_sha256": "0" * 64}), "digest"),

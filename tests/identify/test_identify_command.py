@@ -124,6 +124,13 @@ def test_a_locked_actuator_becomes_a_two_port(tmp_path: Path) -> None:
     assert "NOT COVERED by any claim" in (tmp_path / "new.yaml").read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("what", ["load", "actuator"])
+def test_a_record_of_nothing_is_dead_even_if_it_is_the_only_one(what: str, tmp_path: Path) -> None:
+    (tmp_path / "zero.csv").write_text("frequency [Hz],real,imaginary\n1,0,0\n2,0,0\n3,0,0\n", encoding="utf-8")
+    says = refused(ExitCode.INPUT, "identify", tmp_path / "zero.csv", "--of", what, "--beyond", "hold")
+    assert "'zero', 'dead: gain 0 at 3 of 3 points'" in says
+
+
 @pytest.mark.parametrize(
     ("options", "says"),
     [
