@@ -131,7 +131,7 @@ def test_a_named_pipe_is_refused_at_once(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("factor", "fits"), [("1e40", False), ("1e-42", False), ("1e30", True)])
 def test_single_precision_has_a_largest_and_a_smallest_number(factor: str, fits: bool) -> None:
     """A relative error of 2⁻²⁴ is what rounding costs only between them."""
-    text = SOFT_IN_THE_BOX.replace("LOW", "19.9").replace("CONSTRAINTS", "{peak: 3, tolerance: float32}")
+    text = SOFT_IN_THE_BOX.replace("LOW", "19.9").replace("CONSTRAINTS", "peak: 3, tolerance: float32")
     text = text.replace("[0.1]", f"[0.1{factor[1:]}]").replace("[1, 1]", f"[{factor}, {factor}]")
     if fits:
         assert synthesize(parse(text)).exit_code == ExitCode.PROVEN
