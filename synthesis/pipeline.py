@@ -213,7 +213,9 @@ def _search(
             f"no controller of this structure was found that can be proven ({hint}); "
             "try another order, a smaller uncertainty, more damping in the impedance, or a larger attenuation"
         )
-    if limit is not None and limit.limited and limit.omega_B < found.candidate.omega_B:  # too few terms, or a joint like no other
+    if (
+        limit is not None and limit.limited and limit.omega_B < found.candidate.omega_B
+    ):  # too few terms, or a joint like no other
         limit = bound(setting, 2 * limit.terms, progress)
         limit = limit if limit is not None and limit.omega_B >= found.candidate.omega_B else None
     return found.candidate.coefficients, limit

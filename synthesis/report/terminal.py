@@ -121,7 +121,9 @@ def decimal(value: Fraction) -> str:
 def show_bound(limit: Bound, to: Console) -> None:
     """The bound, what binds where, and what it leaves out."""
     if not limit.limited:
-        to.print(f"[bold]bound[/]  nothing limits ω_B below {limit.omega_B:.4g} rad/s, far above the joint's frequencies")
+        to.print(
+            f"[bold]bound[/]  nothing limits ω_B below {limit.omega_B:.4g} rad/s, far above the joint's frequencies"
+        )
         return
     grown = "" if limit.growth is None else f"; enlarging the basis to them added {100 * limit.growth:.2g} %"
     to.print(f"[bold]bound[/]  ω_B ≤ {limit.omega_B:.4g} rad/s with {limit.terms} terms{grown}")
