@@ -91,7 +91,7 @@ def _synth_orders(
         write_atomic(place / "certificate.json", result.certificate_bytes())
         rows.append(OfOrder(order, float(result.omega_B), time.monotonic() - began))
         codes.append(result.exit_code)
-    limit = None if shared.bound is None else shared.bound.omega_B
+    limit = shared.bound.omega_B if shared.bound is not None and shared.bound.limited else None
     write_atomic(folder / "orders.json", dumped(listed(rows, limit)).encode())
     write_atomic(folder / "orders.svg", figure(rows, limit, specs[0].name))
     if certificates:

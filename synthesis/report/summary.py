@@ -14,7 +14,7 @@ def summary(result: Result) -> dict[str, Any]:
         "exit_code": int(result.exit_code),
         "outcome": result.outcome.value,
         "omega_B": float(result.omega_B),
-        "bound": None if result.bound is None else result.bound.omega_B,
+        "bound": result.bound.omega_B if result.bound is not None and result.bound.limited else None,
         "seconds": result.seconds,
         "claims": [
             {"id": c.id, "form": c.form, "required": c.required, "status": c.status.value} for c in result.claims

@@ -59,7 +59,8 @@ def _headline(result: Result) -> str:
     if result.outcome is not Outcome.PROVEN:
         short = [c.id for c in result.claims if c.required and c.status is not Outcome.PROVEN]
         return f"not proven: {', '.join(short)}"
-    bound = "" if result.bound is None else f", bound {result.bound.omega_B:.4g}"
+    limit = result.bound
+    bound = "" if limit is None else f", {'bound' if limit.limited else 'no bound below'} {limit.omega_B:.4g}"
     return f"ω_B ≥ {decimal(result.omega_B)} rad/s{bound}, in {result.seconds:.1f} s"
 
 
@@ -119,6 +120,11 @@ def decimal(value: Fraction) -> str:
 
 def show_bound(limit: Bound, to: Console) -> None:
     """The bound, what binds where, and what it leaves out."""
+    if not limit.limited:
+        to.print(
+            f"[bold]bound[/]  nothing limits ω_B below {limit.omega_B:.4g} rad/s, far above the joint's frequencies"
+        )
+        return
     grown = "" if limit.growth is None else f"; enlarging the basis to them added {100 * limit.growth:.2g} %"
     to.print(f"[bold]bound[/]  ω_B ≤ {limit.omega_B:.4g} rad/s with {limit.terms} terms{grown}")
     for name, omega in limit.binding:

@@ -33,6 +33,7 @@ Progress = Callable[[str], None]
 ROUGH_TERMS, FIRST_TERMS, GROWTH, MOST_TERMS = 20, 48, 1.25, 150
 NEAR, MOVES = 0.03, 4  # how close to ω_B the poles have to be placed, and how often they are moved there
 CONVERGED = 0.01  # relative growth of ω_B below which the basis is large enough
+NEARLY = 0.99  # of the highest frequency of the first grid: no limit was met
 POINTS = 600  # of the grid around ω_B
 FIRST_POINTS = 16  # of the program, for each inequality
 SHORT = 1e-4  # relative shortfall that makes a frequency join the program
@@ -47,6 +48,7 @@ PROGRAMS = 60
 class Bound:
     """ω_B that no controller with Q̃ in the basis exceeds on the grid, and what limits it there.
 
+    limited: False where nothing limits ω_B as far as the joint's frequencies reach: all is feasible at omega_B still.
     terms: size of the basis; growth: what the last enlargement of the basis added, relative, None if there was none;
     binding: constraints with a multiplier at the optimum, each with the frequency [rad/s] where it is largest.
     """
@@ -57,10 +59,17 @@ class Bound:
     binding: tuple[tuple[str, float], ...]
     dropped: tuple[str, ...]
     response: Response = field(repr=False, compare=False)
+    limited: bool = True
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        figure = f"{self.omega_B:.4g} rad/s"
+        return f"the bound is {figure}" if self.limited else f"nothing limits it below {figure}"
 
     def to_json(self) -> dict[str, Any]:
         """For scripts: all but the response."""
-        shown = ("omega_B", "terms", "growth", "binding", "dropped")
+        shown = ("omega_B", "limited", "terms", "growth", "binding", "dropped")
         return {name: getattr(self, name) for name in shown}
 
 
@@ -71,6 +80,9 @@ def bound(setting: Setting, terms: int | None = None, progress: Progress = lambd
     around = wide.largest_band((low * high) ** 0.5, coarse=True)
     if around is None:
         return None
+    highest = float(wide.omega[-1])
+    if around > NEARLY * highest:
+        return wide.result(highest, limited=False)
     size, moves, before = terms or FIRST_TERMS, 0, None
     while True:
         progress(f"bound: convex program with {size} terms")
@@ -79,12 +91,13 @@ def bound(setting: Setting, terms: int | None = None, progress: Progress = lambd
         found = program.largest_band(around)
         if found is None:
             return before
+        if found > highest:
+            return program.result(highest, limited=False)
         if abs(found / around - 1) > NEAR and moves < MOVES:
             around, moves = found, moves + 1
             continue
         growth = None if before is None else found / before.omega_B - 1
-        dropped = tuple(dict.fromkeys(c.id for c in program.dropped))
-        best = Bound(found, size, growth, program.binding(), dropped, Response(omega, program.X))
+        best = program.result(found, growth)
         if before is not None and found < before.omega_B:
             best = before
         if terms is not None or (growth is not None and growth < CONVERGED) or size * GROWTH > MOST_TERMS:
@@ -104,14 +117,16 @@ class _Program:
         self.setting, self.omega, self.basis = setting, omega, basis
         everything = [(k, v, c) for k, v in enumerate(setting.vertices(actuators=False)) for c in constraints(v)]
         required = [(k, v, c) for k, v, c in everything if c.required]
-        known = {Variable.Q_TILDE} | ({Variable.Q} if setting.loop.actuator.H == ONE else set())  # H = 1: Q = Q̃
+        known = {Variable.Q_TILDE, Variable.COMMAND}
+        known |= {Variable.Q} if setting.loop.actuator.H == ONE else set()  # H = 1: Q = Q̃
         kept = [e for e in required if all(q.convex and q.variable in known for q in e[2].inequalities)]
         self.dropped = [c for k, v, c in required if all(c is not other for _, _, other in kept)]
         self.band = [(k, v, c, q) for k, v, c in kept if c.on_band for q in c.inequalities]
-        self.rows = [
+        rows = [
             Rows.of(v, c, q, omega, k) for on in (False, True) for k, v, c in kept if c.on_band is on
             for q in c.inequalities
         ]  # fmt: skip
+        self.rows = [r for r in rows if r.omega.size]  # a constraint's own interval may lie beyond the grid
         self.fixed = len(self.rows) - len(self.band)
         self.places = [np.searchsorted(omega, rows.omega) for rows in self.rows]
         self.spread = [np.unique(np.linspace(0, r.omega.size - 1, FIRST_POINTS).astype(int)) for r in self.rows]
@@ -191,6 +206,13 @@ class _Program:
             self.chosen[index] = np.union1d(self.chosen[index], new)
             joined = joined or new.size > 0
         return joined
+
+    def result(self, omega_B: float, growth: float | None = None, *, limited: bool = True) -> Bound:
+        """The bound of the last solution; without a limit nothing binds."""
+        dropped = tuple(dict.fromkeys(c.id for c in self.dropped))
+        binding = self.binding() if limited else ()
+        response = Response(self.omega, self.X)
+        return Bound(omega_B, self.basis.terms, growth, binding, dropped, response, limited)
 
     def binding(self) -> tuple[tuple[str, float], ...]:
         """Constraints with a multiplier at the optimum, each with the frequency where it is largest."""

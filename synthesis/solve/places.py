@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 FIRST_BACK_OFF = 3e-6
+BACK_OFF_ON_CELLS = 3e-3  # a proof on cells resolves about a thousandth
 SPREAD, DENSE, BAND = 16, 24, 12  # points of the first grid: over everything, around ω₀, and in the band
 ADDED, ADDED_BAND = 20, 8  # places for points where the constraints turn out to be tight
 
@@ -39,7 +40,9 @@ class Grids:
     def of(cls, setting: Setting, omega_0: float, finer: int = 1) -> Grids:
         """The first grid around omega_0 [rad/s], or one so many times finer."""
         fractions = np.concatenate([[1e-4], np.linspace(0.03, 1, finer * BAND)])
-        return cls(grid(setting, around=omega_0, spread=finer * SPREAD, dense=finer * DENSE), fractions)
+        back_off = FIRST_BACK_OFF if setting.polynomial else BACK_OFF_ON_CELLS
+        omega = grid(setting, around=omega_0, spread=finer * SPREAD, dense=finer * DENSE)
+        return cls(omega, fractions, back_off=back_off)
 
     def refined(self, omega: Sequence[float], band: Sequence[float]) -> Grids:
         """With further points; the oldest of those added make room."""

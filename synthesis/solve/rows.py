@@ -1,5 +1,7 @@
 """Constraints on a frequency grid as rows of a convex program: one inequality, `constant + slope·X` at each frequency.
 
+X is the inequality's own variable, except that what speaks of the command `CF/(1+HCF) = Q̃/H` becomes rows in Q̃.
+
 The numbers come from `Inequality.sides`, evaluated with lines in an X yet unknown. A right side `|g + hX|` becomes the
 half-plane `Re(m̄(g + hX))` with m its own direction at a given X, which never admits an X the inequality excludes.
 """
@@ -98,7 +100,8 @@ class Rows:
         evaluator = Evaluator(setting, omega)
         omega = omega if constraint.on_band else omega[evaluator.inside(constraint)]
         W = Evaluator(setting, omega).radius(inequality.source)
-        X, zero = Line(np.zeros(omega.size, complex), np.ones(omega.size, complex)), np.zeros(omega.size)
+        per_Q = 1 / setting.loop.actuator.H.at(omega) if inequality.variable is Variable.COMMAND else 1.0
+        X, zero = Line(np.zeros(omega.size, complex), per_Q * np.ones(omega.size, complex)), np.zeros(omega.size)
 
         def at(r: Any) -> Any:
             return r.at(omega)

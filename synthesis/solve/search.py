@@ -15,6 +15,7 @@ import numpy as np
 
 from ..errors import UndecidedError
 from ..interruption import demand_none
+from ..problem.grid import frequency_scale
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
 from .nlp import Candidate, Program
@@ -25,12 +26,15 @@ from .structure import Structure, structure_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-SCALES = (1.0, 1 / 8, 1 / 64)  # of the expected bandwidth, tried in turn: a bound that nothing limits is far too high
+HIGHEST = 30.0  # of the joint's highest frequency: farther out no bandwidth is looked for
+SCALES = (1.0, 1 / 8, 1 / 64, 1 / 512)  # of the expected bandwidth, tried in turn: a bound may be far too high
+FAR_BELOW, ABOVE = 1 / 8, 2.0  # ω_B in parts of ω₀ that is searched again nearby, from an ω₀ so far above it
 DRAWN = 200  # random points, of which the nearest to feasible are used
 RANDOM, FIRST_RANDOM = 6, 30  # of those: beside other starts, and where nothing simpler was found
 EXTENDED = (0.99, 0.9, 0.95)  # parts of the simpler structure's ω_B at which its best three are extended
-REDUCED = 3  # random points from which the bound's Q̃ is approximated
-AGREE = 3  # stop when this many starts end at the same best figure
+REDUCED = 2  # random points from which the bound's Q̃ is approximated
+AGREE, FIRST_AGREE = 3, 5  # stop when this many starts end at the same best figure; with random ones alone
+WORTHWHILE = 0.9  # of the best figure: what may still rise above it on the finer grid
 KEPT = 4  # distinct optima that are kept
 FINER = 8  # the grid that optima are looked at between solutions
 EXCHANGES = 8
@@ -52,7 +56,16 @@ class Counterexample(Protocol):
 
 Refute = Callable[[Polynomials, float], Sequence[Counterexample]]  # coefficients, ω_B → () when all required is proven
 Progress = Callable[[str], None]
-Start = tuple["NDArray[np.float64]", float, bool]  # parameters, ω_B [rad/s], whether to stay near
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Parameters and ω_B [rad/s] to begin from; near: stay near them; votes: whether its agreement counts."""
+
+    x: NDArray[np.float64]
+    omega_B: float
+    near: bool = False
+    votes: bool = True
 
 
 @dataclass(frozen=True)
@@ -92,11 +105,23 @@ class Search:
 
     def run(self) -> Found | None:
         """Best controller of the specified structure that survives the proof; None when the search finds none."""
-        for factor in SCALES:
-            found = replace(self, omega_0=self.omega_0 * factor)._at_scale(structure_of(self.setting.spec))
+        expected = min(self.omega_0, HIGHEST * frequency_scale(self.setting)[1])
+        for omega_0 in (factor * expected for factor in SCALES):
+            found = self._around(omega_0)
             if found is not None:
-                return found
+                return self._nearby(found) if found.candidate.omega_B < FAR_BELOW * omega_0 else found
         return None
+
+    def _around(self, omega_0: float) -> Found | None:
+        return replace(self, omega_0=omega_0)._at_scale(structure_of(self.setting.spec))
+
+    def _nearby(self, found: Found) -> Found:
+        """The better of what was found and what a search around it finds, where the grid is dense."""
+        try:
+            again = self._around(ABOVE * found.candidate.omega_B)
+        except UndecidedError:  # out of time
+            again = None
+        return found if again is None or again.candidate.omega_B < found.candidate.omega_B else again
 
     def _at_scale(self, structure: Structure) -> Found | None:
         if self.starts:
@@ -131,20 +156,25 @@ class Search:
     def _optima(self, program: Program, below: Optima) -> Optima:
         """Distinct optima of one structure, and the grid on which the best is tight."""
         found: list[tuple[Candidate, Grids]] = []
-        ends: list[float] = []  # ω_B of every solution on the first grid, which flatters
-        best, end_of_best = 0.0, np.inf
-        for x, omega_B, near in self._starts(program, below):
+        ends: list[tuple[float, float]] = []  # ω_B of a solution on the first grid, which flatters, and what is left
+        best, votes = 0.0, list[float]()
+        asked = program.structure == structure_of(self.setting.spec)  # the others only give it starts
+        agree = FIRST_AGREE if asked and not (below.candidates or self.starts) else AGREE
+        for start in self._starts(program, below):
             self._in_time()
-            explored = program.solve(x, omega_B, below.grids, refining=near)
+            explored = program.solve(start.x, start.omega_B, below.grids, refining=start.near)
             if explored is None:
                 continue
-            seen = any(_same(explored.omega_B, end) for end in ends)
-            ends.append(explored.omega_B)
-            if explored.omega_B > best and not seen:
-                found += self._exchanged(program, explored, below.grids)
-                if found and found[-1][0].omega_B > best:
-                    best, end_of_best = found[-1][0].omega_B, explored.omega_B
-            if sum(_same(end, end_of_best) for end in ends) >= AGREE:
+            left = next((left for end, left in ends if _same(explored.omega_B, end)), None)
+            if left is None:
+                worthwhile = explored.omega_B > (WORTHWHILE if asked else 1.0) * best
+                exchanged = self._exchanged(program, explored, below.grids) if worthwhile else []
+                found += exchanged
+                left = exchanged[0][0].omega_B if exchanged else 0.0
+                ends.append((explored.omega_B, left))
+            best = max(best, left)
+            votes += [left] if start.votes else []
+            if best > 0 and sum(_same(vote, best) for vote in votes) >= agree:
                 break
         found.sort(key=lambda pair: -pair[0].omega_B)
         return Optima(_distinct([c for c, _ in found])[:KEPT], found[0][1] if found else below.grids)
@@ -154,18 +184,19 @@ class Search:
         for coefficients, omega_B in self.starts:
             response = Response.of(self.setting, coefficients, below.grids.omega)
             x = reduced(program, response, structure.start(rng))
-            yield x, 0.95 * omega_B, True
-            yield x, 0.8 * omega_B, False
+            yield Start(x, 0.95 * omega_B, near=True)
+            yield Start(x, 0.8 * omega_B)
         if self.ideal is not None and structure == structure_of(self.setting.spec):
-            for _ in range(REDUCED):
-                yield reduced(program, self.ideal, structure.start(rng)), 0.8 * self.omega_0, False
+            for k in range(REDUCED):
+                x = reduced(program, self.ideal, structure.start(rng))
+                yield Start(x, 0.8 * self.omega_0, votes=k == 0)
         for share in EXTENDED:
             for candidate in below.candidates[: len(EXTENDED)]:
-                yield structure.extended(candidate.x, rng), share * candidate.omega_B, True
+                yield Start(structure.extended(candidate.x, rng), share * candidate.omega_B, near=True)
         omega_B = 0.1 * self.omega_0
         drawn = program.nearest([structure.start(rng) for _ in range(DRAWN)], omega_B, below.grids)
         for x in drawn[: RANDOM if below.candidates else FIRST_RANDOM]:
-            yield x, omega_B, False
+            yield Start(x, omega_B)
 
     def _exchanged(self, program: Program, candidate: Candidate, grids: Grids) -> list[tuple[Candidate, Grids]]:
         """Solve again with the points of a finer grid where it falls short, until it does nowhere; [] if it cannot."""

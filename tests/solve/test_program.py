@@ -17,6 +17,7 @@ from robimp.synthesis.solve.nlp import Candidate, Program
 from robimp.synthesis.solve.places import ADDED, FIRST_BACK_OFF, Grids
 from robimp.synthesis.solve.structure import structure_of
 from robimp.synthesis.spec import parse_spec
+from robimp.synthesis.spec.model import Polynomials
 
 ROOT = Path(__file__).parents[2]
 GOOD = (ROOT / "tests" / "data" / "specs" / "good.yaml").read_text(encoding="utf-8")
@@ -89,33 +90,47 @@ def slow_torque_loop(order: int) -> Setting:
     return Setting.of(parse_spec(f"{text[:begin]}  order: {order}\n\n{text[end:]}"))
 
 
-def candidates(setting: Setting, omega_0: float, starts: int) -> list[Candidate]:
-    """What the program finds on a coarse grid from its best random starts."""
-    structure, rng = structure_of(setting.spec), np.random.default_rng(0)
-    grids = Grids.of(setting, omega_0)
-    program = Program(setting, structure, grids, omega_0)
-    drawn = program.nearest([structure.start(rng) for _ in range(100)], 0.1 * omega_0, grids)
-    found = [program.solve(x, 0.1 * omega_0, grids) for x in drawn[:starts]]
-    return [candidate for candidate in found if candidate is not None]
-
-
-def stable(setting: Setting, candidate: Candidate) -> bool:
-    C, loop = setting.compensator(candidate.coefficients), setting.loop
+def stable(setting: Setting, coefficients: Polynomials) -> bool:
+    C, loop = setting.compensator(coefficients), setting.loop
     return is_hurwitz(loop.locked()(C)) and is_hurwitz(loop.free(loop.nominal)(C))
 
 
-def test_only_rouths_rows_keep_the_search_among_stable_loops(monkeypatch: pytest.MonkeyPatch) -> None:
-    setting = slow_torque_loop(4)
-    found = candidates(setting, 13.0, 8)
-    assert len(found) >= 3
-    assert all(stable(setting, candidate) for candidate in found)
-    best = max(candidate.omega_B for candidate in found)
+def unstable_starts(setting: Setting, omega_0: float, count: int) -> list[np.ndarray]:
+    """Points all over the box of parameters whose loops are unstable."""
+    structure, rng = structure_of(setting.spec), np.random.default_rng(0)
+    low, high = structure.bounds
+    drawn = (structure.start(rng) * rng.uniform(-3, 3, low.size) for _ in range(count))
+    inside = [np.clip(x, low + 0.01, high - 0.01) for x in drawn]
+    return [x for x in inside if not stable(setting, structure.rounded(x, omega_0))]
 
-    monkeypatch.setattr(Program, "_routh", lambda self, pencil: [1.0])
-    unguarded = candidates(setting, 13.0, 25)
-    unstable = [candidate for candidate in unguarded if not stable(setting, candidate)]
+
+def solved(setting: Setting, omega_0: float, starts: list[np.ndarray]) -> list[Candidate]:
+    """What the program finds on a coarse grid from given starts."""
+    grids = Grids.of(setting, omega_0)
+    program = Program(setting, structure_of(setting.spec), grids, omega_0)
+    found = [program.solve(x, 0.1 * omega_0, grids) for x in starts]
+    return [candidate for candidate in found if candidate is not None]
+
+
+def test_only_rouths_rows_keep_the_search_among_stable_loops(monkeypatch: pytest.MonkeyPatch) -> None:
+    setting, omega_0 = slow_torque_loop(4), 13.0
+    structure, rng = structure_of(setting.spec), np.random.default_rng(0)
+    grids = Grids.of(setting, omega_0)
+    drawn = [structure.start(rng) for _ in range(100)]
+    best_drawn = Program(setting, structure, grids, omega_0).nearest(drawn, 0.1 * omega_0, grids)[:8]
+    guarded = solved(setting, omega_0, best_drawn)
+    best = max(candidate.omega_B for candidate in guarded)
+
+    with monkeypatch.context() as without:
+        without.setattr(Program, "_routh", lambda self, pencil: [1.0])
+        program = Program(setting, structure, grids, omega_0)
+        starts = program.nearest(unstable_starts(setting, omega_0, 400), 0.1 * omega_0, grids)[:15]
+        unguarded = solved(setting, omega_0, starts)
+    guarded += solved(setting, omega_0, starts)
+    assert len(guarded) >= 3 and all(stable(setting, c.coefficients) for c in guarded)
+    unstable = [c.omega_B for c in unguarded if not stable(setting, c.coefficients)]
     assert unstable, "without the rows nothing unstable is found either: they would be superfluous"
-    assert max(candidate.omega_B for candidate in unstable) > 3 * best, "and it looks far better than the truth"
+    assert max(unstable) > 3 * best, "and it looks far better than the truth"
 
 
 def test_a_start_that_satisfies_everything_has_no_violation() -> None:
