@@ -49,6 +49,10 @@ class Form(Ring):
         """The value at the centre of the cell, without the power of ζ."""
         return self.c * Fraction(2) ** self.e
 
+    def width(self) -> Fraction:
+        """How far below it may be elsewhere."""
+        return (self.w + self.r) * Fraction(2) ** self.e
+
     def at(self, m: int) -> Form:
         """The same value with another power of ζ in front; on a cell that has an end at ζ = 0 only with a lower one."""
         if m == self.m:

@@ -27,6 +27,11 @@ CONTROL = {  # from values at 0, 1/n, …, 1 of a polynomial of degree n to its 
         (0, 0, 0, 0, 36),
     ),
 }
+LEBESGUE = {
+    1: (1, 1),
+    2: (5, 2),
+    4: (80, 1),
+}  # at least times as large, times [0][0], as at these points a polynomial is
 
 
 def cover(
@@ -137,8 +142,8 @@ def _verdict(slacks: list[tuple[list[int], Form]], strict: bool) -> tuple[int, l
         return 1, []
     if any(f.sign(strict) < 0 for axes, f in doubtful if not axes):
         return -1, []
-    least, axes = min((f.middle(), axes) for axes, f in doubtful)
-    return 0, axes if 2 * least < min(f.middle() for axes, f in slacks if not axes) > 0 else []
+    least, width, axes = min((f.middle(), f.width(), axes) for axes, f in doubtful)
+    return 0, axes if min(f.middle() for axes, f in slacks if not axes) - least > width else []
 
 
 def _conditions(rows: list[list[Form]]) -> Iterator[list[Form]]:
@@ -156,7 +161,14 @@ def _quadratic(b: list[Form], strict: bool) -> bool:
 
 
 def control(values: list[Form], degree: int, n: int) -> list[Form]:
-    """Bernstein coefficients of a polynomial of this degree in each of n parameters, times a positive number."""
+    """Bernstein coefficients of a polynomial of this degree in each of n parameters, times a positive number.
+
+    What the forms do not know is such a polynomial too: it is bounded everywhere by its bounds at the points, and not
+    taken through the coefficients, which would add it up."""
+    e = max(f.e for f in values)
+    unknown = max(((f.r >> e - f.e) + 1 for f in values if f), default=0)
+    over, under = LEBESGUE[degree]
+    values = [Form(f.cell, f.m, f.e, f.c, f.l, f.q, 0) for f in values] if n else values
     for _ in range(n):  # the first parameter becomes the last
         width = len(values) // (degree + 1)
         values = [
@@ -164,4 +176,9 @@ def control(values: list[Form], degree: int, n: int) -> list[Form]:
             for k in range(width)
             for row in CONTROL[degree]
         ]
-    return values
+    rest = (
+        values[0].cell.form()
+        if not n
+        else Form(values[0].cell, 0, e, 0, [0] * len(values[0].l), 0, -(-unknown * over**n // under**n))
+    )
+    return [f + rest for f in values]
