@@ -76,7 +76,7 @@ def _look(cell: Cell, box: Ranges, parts: Any, degree: int) -> tuple[int, list[i
     try:
         at = [list(parts(cell, dict(zip(box, point, strict=True)))) for point in product(*values)]
         for same in zip(*at, strict=True):
-            said = _hull(same, len(box)) if isinstance(same[0], Axis) else compare(cell, same, degree, len(box))
+            said = _hull(same, len(box)) if isinstance(same[0], list) else compare(cell, same, degree, len(box))
             if said[0] < 0:
                 return said
             found = found if said[0] or not found[0] else said
@@ -85,13 +85,10 @@ def _look(cell: Cell, box: Ranges, parts: Any, degree: int) -> tuple[int, list[i
     return found
 
 
-def _hull(values: Sequence[Axis], n: int) -> tuple[int, list[int]]:
+def _hull(values: Sequence[Sequence[Axis]], n: int) -> tuple[int, list[int]]:
     """A function that is affine in every parameter stays in the convex hull of its values at the corners."""
-    if excludes_zero(values):
-        return 1, []
-    aligned = [(z.p, z.q if z.p.cell.ends else z.q.at(z.p.m)) for z in values]
-    points = [Axis(*(Form(f.cell, f.m, f.e, f.c, [0, *f.l[1:]], 0, 0) for f in pair)) for pair in aligned]
-    return 0, [] if excludes_zero(points) else list(range(n))
+    everywhere, middle = excludes_zero(values)
+    return (1, []) if everywhere else (0, [] if middle else list(range(n)))
 
 
 def compare(cell: Cell, same: Sequence[Inequality], degree: int = 2, n: int = 0) -> tuple[int, list[int]]:
