@@ -189,10 +189,10 @@ TRIED = 3  # directions
 
 
 def excludes_zero(zonotopes: Sequence[Sequence[Axis]]) -> tuple[bool, bool]:
-    """Whether 0 is shown to be outside the convex hull of some `f[0] + Σ u_k f[k]`, |u_k| ≤ 1; and about, at the middle.
+    """Whether 0 is shown to be outside the hull of zonotopes `f[0] + Σ u_k f[k]`, |u_k| ≤ 1; about, in the middle.
 
-    A linear functional of (p, q) has one sign on all of them: the normal of an edge f[k], which turns with ω as the edge
-    does, or one through the centre. Floating point chooses it; what it is worth is decided by forms."""
+    A linear functional of (p, q) has one sign on all of them: the normal of an edge f[k], which turns with ω as the
+    edge does, or one through the centre. Floating point chooses it; what it is worth is decided by forms."""
     cell = zonotopes[0][0].p.cell
     if cell.ends and not all(f.bounded() for z in zonotopes for f in z):
         return False, False
@@ -215,7 +215,7 @@ def excludes_zero(zonotopes: Sequence[Sequence[Axis]]) -> tuple[bool, bool]:
 
 
 def _clearance(a: float, b: float, zonotopes: Sequence[Sequence[tuple[float, float]]]) -> float:
-    """How far `a p + b q` stays from 0 on all of them, as a share of its value at their centres; negative if it does not."""
+    """How far `a p + b q` stays from 0 on all of them, as a share of its value at their centres; or negative."""
     values = [[a * p + b * q for p, q in z] for z in zonotopes]
     if not (all(v[0] > 0 for v in values) or all(v[0] < 0 for v in values)):
         return -1.0

@@ -68,7 +68,9 @@ class Joint:
     def zonotope(self, cell: Cell, name: str, ranges: Ranges) -> list[Axis]:
         """The characteristic function where parameters are symbols: `f[0] + Σ u_k f[k]`, |u_k| ≤ 1, at every ω."""
         undelayed, delayed = self.loop(name)
-        pairs = [(undelayed, ONE), (delayed, self.hold(cell))] if self.spec["sampling"] else [(undelayed + delayed, ONE)]
+        pairs = (
+            [(undelayed, ONE), (delayed, self.hold(cell))] if self.spec["sampling"] else [(undelayed + delayed, ONE)]
+        )
         found: dict[Any, Axis] = {(): cell.axis(ZERO)}
         for value, by in pairs:
             for keys, p in centred(value, tuple(ranges.items())):
