@@ -27,11 +27,7 @@ CONTROL = {  # from values at 0, 1/n, …, 1 of a polynomial of degree n to its 
         (0, 0, 0, 0, 36),
     ),
 }
-LEBESGUE = {
-    1: (1, 1),
-    2: (5, 2),
-    4: (80, 1),
-}  # at least times as large, times [0][0], as at these points a polynomial is
+LEBESGUE = {1: (1, 1), 2: (5, 2), 4: (80, 1)}  # of these points, times [0][0]: fractions, rounded up
 
 
 def cover(
@@ -106,20 +102,23 @@ def compare(cell: Cell, same: Sequence[Inequality], degree: int = 2, n: int = 0)
     ]
     if len(rows[0]) > (3 if n == 0 or degree == 4 else 2):
         return _moduli(rows, degree, n)
+    inner = [[i for i in range(n) if 0 < place[i] < degree] for place in digits]
     for values in _conditions(rows):
-        slacks = control(values, degree, n)
-        if not (n == 1 and degree == 2 and _quadratic(slacks, strict)):
-            axes = [[i for i in range(n) if 0 < place[i] < degree] for place in digits]
-            said = _verdict([*zip(axes, slacks, strict=True)], strict)
-            if said[0] != 1:
-                return said
+        for way in (control, levelled) if n else (control,):  # the first decides equality at a corner
+            slacks = way(values, degree, n)
+            good = n == 1 and degree == 2 and _quadratic(slacks, strict)
+            said = (1, list[int]()) if good else _verdict([*zip(inner, slacks, strict=True)], strict)
+            if said[0]:
+                break
+        if said[0] != 1:
+            return said
     return 1, []
 
 
 def _moduli(rows: list[list[Form]], degree: int, n: int) -> tuple[int, list[int]]:
     """By roots: the bound is at least its smallest Bernstein coefficient, a sum of moduli largest at a corner."""
     digits, cell = list(product(range(degree + 1), repeat=n)), rows[0][0].cell
-    bounds = control([row[-1] for row in rows], degree, n)
+    bounds = (levelled if n else control)([row[-1] for row in rows], degree, n)
     if n and any(f.sign() != 1 for f in bounds):
         return 0, list(range(n))
     found = []
@@ -158,14 +157,7 @@ def _quadratic(b: list[Form], strict: bool) -> bool:
 
 
 def control(values: list[Form], degree: int, n: int) -> list[Form]:
-    """Bernstein coefficients of a polynomial of this degree in each of n parameters, times a positive number.
-
-    What the forms do not know is such a polynomial too: it is bounded everywhere by its bounds at the points, and not
-    taken through the coefficients, which would add it up."""
-    e = max(f.e for f in values)
-    unknown = max(((f.r >> e - f.e) + 1 for f in values if f), default=0)
-    over, under = LEBESGUE[degree]
-    values = [Form(f.cell, f.m, f.e, f.c, f.l, f.q, 0) for f in values] if n else values
+    """Bernstein coefficients of a polynomial of this degree in each of n parameters, times a positive number."""
     for _ in range(n):  # the first parameter becomes the last
         width = len(values) // (degree + 1)
         values = [
@@ -173,9 +165,16 @@ def control(values: list[Form], degree: int, n: int) -> list[Form]:
             for k in range(width)
             for row in CONTROL[degree]
         ]
-    rest = (
-        values[0].cell.form()
-        if not n
-        else Form(values[0].cell, 0, e, 0, [0] * len(values[0].l), 0, -(-unknown * over**n // under**n))
-    )
-    return [f + rest for f in values]
+    return values
+
+
+def levelled(values: list[Form], degree: int, n: int) -> list[Form]:
+    """The same for a polynomial below, where these are of the values' known part, less a bound of what is unknown.
+
+    The unknown part is a polynomial of this degree too, on the grid within the forms' r, so everywhere within r times the
+    Lebesgue constant; its coefficients, which `control` bounds, may be many times larger."""
+    e, (over, under) = max(f.e for f in values), LEBESGUE[degree]
+    unknown = max(((f.r >> e - f.e) + 1 for f in values if f), default=0) * over**n // under**n + 1
+    rest = Form(values[0].cell, 0, e, 0, [0] * len(values[0].l), 0, unknown)
+    known = [Form(f.cell, 0, f.e, f.c, f.l, f.q, 0) for f in values]
+    return [f + rest for f in control(known, degree, n)]

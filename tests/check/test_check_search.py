@@ -20,7 +20,7 @@ from robimp.synthesis.check.polynomials import Poly
 from robimp.synthesis.check.positivity import Inequality
 from robimp.synthesis.check.proofs import Prover
 from robimp.synthesis.check.reader import read
-from robimp.synthesis.check.search import CONTROL, LEBESGUE, control, cover
+from robimp.synthesis.check.search import CONTROL, LEBESGUE, control, cover, levelled
 from robimp.synthesis.check.statements import STATEMENTS
 
 WEIGHT = {"numerator": ["1/20", "0"], "denominator": ["1", "100"]}
@@ -109,7 +109,7 @@ def test_bounds_of_the_values_bound_the_polynomial(degree: int) -> None:
         values = [Fraction(rng.randint(1, 99)) for _ in range(degree + 1)]
         r = [Fraction(rng.randint(0, 20)) for _ in values]
         worst = [v - x * rng.choice((-1, 1)) for v, x in zip(values, r, strict=True)]
-        found = control([cell.form(v, r=x) for v, x in zip(values, r, strict=True)], degree, 1)
+        found = levelled([cell.form(v, r=x) for v, x in zip(values, r, strict=True)], degree, 1)
         low = min(Fraction(f.c - f.w - f.r) * Fraction(2) ** f.e for f in found) / CONTROL[degree][0][0]
         for n in range(41):
             t = Fraction(n, 40) * degree
@@ -118,6 +118,18 @@ def test_bounds_of_the_values_bound_the_polynomial(degree: int) -> None:
                 for i, v in enumerate(worst)
             )
             assert low <= at
+
+
+@pytest.mark.parametrize(("below", "said"), [("0", ""), ("1/1000000000", " at ω = 1 rad/s")])
+def test_equality_at_a_corner_of_the_parameters_is_enough_where_it_may_be(below: str, said: str) -> None:
+    """k ≥ 0 for k in [0, 1]: what is unknown of the other values is not held against this one."""
+    key = ("impedance", "stiffness")
+
+    def parts(_: Cell, at: dict[tuple[str, str], Fraction]) -> list[Inequality]:
+        return [Inequality([], Poly.of(at[key] / 7 - Fraction(below)), strict=False)]
+
+    cell, box = Cell(Fraction(1), Fraction(1), False, {}), {key: (Fraction(0), Fraction(1))}
+    assert cover([cell], parts, monotonic() + 20, box, 2) == said
 
 
 @pytest.mark.parametrize("terms", [0, 1, 2, 3])
