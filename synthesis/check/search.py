@@ -171,8 +171,8 @@ def control(values: list[Form], degree: int, n: int) -> list[Form]:
 def levelled(values: list[Form], degree: int, n: int) -> list[Form]:
     """The same for a polynomial below, where these are of the values' known part, less a bound of what is unknown.
 
-    The unknown part is a polynomial of this degree too, on the grid within the forms' r, so everywhere within r times the
-    Lebesgue constant; its coefficients, which `control` bounds, may be many times larger."""
+    The unknown part is a polynomial of this degree too, on the grid within the forms' r, so everywhere within r times
+    the Lebesgue constant; its coefficients, which `control` bounds, may be many times larger."""
     e, (over, under) = max(f.e for f in values), LEBESGUE[degree]
     unknown = max(((f.r >> e - f.e) + 1 for f in values if f), default=0) * over**n // under**n + 1
     rest = Form(values[0].cell, 0, e, 0, [0] * len(values[0].l), 0, unknown)
