@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from math import isqrt
-from operator import mul
+from functools import reduce
+from math import isqrt, ldexp
+from operator import add, itemgetter, mul
 from typing import TYPE_CHECKING, Any
 
 from .outcome import UNDECIDED, CheckError
@@ -48,6 +49,10 @@ class Form(Ring):
     def middle(self) -> Fraction:
         """The value at the centre of the cell, without the power of ζ."""
         return self.c * Fraction(2) ** self.e
+
+    def width(self) -> Fraction:
+        """How far below it may be elsewhere."""
+        return (self.w + self.r) * Fraction(2) ** self.e
 
     def at(self, m: int) -> Form:
         """The same value with another power of ζ in front; on a cell that has an end at ζ = 0 only with a lower one."""
@@ -179,24 +184,58 @@ class Axis(Ring):
         return all(f.m >= 0 or not f for f in (self.p, self.q))
 
 
-def excludes_zero(values: Sequence[Axis]) -> bool:
-    """Whether 0 is shown not to be in the convex hull: some linear functional of (p, q) has one sign on all values."""
-    cell = values[0].p.cell
+Plane = tuple[Form, Form]  # (p, q), aligned
+TRIED = 3  # directions
+
+
+def excludes_zero(zonotopes: Sequence[Sequence[Axis]]) -> tuple[bool, bool]:
+    """Whether 0 is shown to be outside the hull of zonotopes `f[0] + Σ u_k f[k]`, |u_k| ≤ 1; about, in the middle.
+
+    A linear functional of (p, q) has one sign on all of them: the normal of an edge f[k], which turns with ω as the
+    edge does, or one through the centre. Floating point chooses it; what it is worth is decided by forms."""
+    cell = zonotopes[0][0].p.cell
+    if cell.ends and not all(f.bounded() for z in zonotopes for f in z):
+        return False, False
+    m = 0 if cell.ends else zonotopes[0][0].p.m
+    plane = [[(f.p.at(m), f.q.at(m)) for f in z] for z in zonotopes]
+    e, d = (max((pair[k].size() for z in plane for pair in z if pair[k]), default=0) for k in (0, 1))
+    near = [[(ldexp(p.c, p.e - e), ldexp(q.c, q.e - d)) for p, q in z] for z in plane]
+    tried: list[tuple[float, Form, Form, Plane | None]] = []
     if cell.ends:  # at χ = 0 it is p
-        finite = all(z.bounded() and z.p.m == 0 for z in values)
-        return finite and (all(z.p.sign() == 1 for z in values) or all((-z.p).sign() == 1 for z in values))
-    m = values[0].p.m
-    forms = [(z.p.at(m), z.q.at(m)) for z in values]
-    e = min(f.e for pair in forms for f in pair)
-    rows = [[[v << f.e - e for v in (f.c, f.q, f.r, *f.l)] for f in pair] for pair in forms]
-    up, down = max(cell.b, 0), max(-cell.b, 0)
-    centre = (sum(P[0] for P, _ in rows) << down, sum(Q[0] for _, Q in rows) << up)
-    for a, b in [centre, *((w, -u) for P, Q in rows for u, w in zip(P[3:], Q[3:], strict=True))]:
-        signs = set()
-        for P, Q in rows:
-            c, q, _, first, *others = (a * u + b * w for u, w in zip(P, Q, strict=True))
-            loose = sum(map(abs, others)) + abs(a) * P[2] + abs(b) * Q[2]
-            signs.add((c + dip(first, q) > loose) - (-c + dip(-first, -q) > loose))
-        if signs in ({1}, {-1}):
-            return True
-    return False
+        tried = [(_clearance(1, 0, near), cell.form(1), cell.form(), None)]
+    else:
+        p, q = (reduce(add, [z[0][k] for z in plane]) for k in (0, 1))
+        a, b = (Form(cell, 0, f.e - 2 * k, f.c, [0] * len(f.l), 0, 0) for f, k in ((p, e), (q, d)))
+        tried = [(_clearance(ldexp(p.c, p.e - e), ldexp(q.c, q.e - d), near), a, b, None)]
+        for z, there in zip(plane, near, strict=True):
+            pairs = list(zip(z, there, strict=True))[1:]
+            tried += [(_clearance(-y, x, near), -own[1], own[0], own) for own, (x, y) in pairs]
+    tried = sorted((entry for entry in tried if entry[0] > 0), key=itemgetter(0), reverse=True)
+    return any(_separates(a, b, plane, own) for _, a, b, own in tried[:TRIED]), bool(tried)
+
+
+def _clearance(a: float, b: float, zonotopes: Sequence[Sequence[tuple[float, float]]]) -> float:
+    """How far `a p + b q` stays from 0 on all of them, as a share of its value at their centres; or negative."""
+    values = [[a * p + b * q for p, q in z] for z in zonotopes]
+    if not (all(v[0] > 0 for v in values) or all(v[0] < 0 for v in values)):
+        return -1.0
+    return min(1 - sum(map(abs, v[1:])) / abs(v[0]) for v in values)
+
+
+def _separates(a: Form, b: Form, zonotopes: Sequence[Sequence[Plane]], own: Plane | None) -> bool:
+    """Whether `a p + b q` has one sign on all of them; it is 0 on the edge that it belongs to."""
+    sides = set()
+    for z in zonotopes:
+        centre, *others = (a * pair[0] + b * pair[1] for pair in z if pair is not own)
+        side = (centre.sign() == 1) - ((-centre).sign() == 1)
+        sides.add(side)
+        if side == 0 or reduce(add, map(_below, others), centre if side > 0 else -centre).sign() != 1:
+            return False
+    return len(sides) == 1
+
+
+def _below(f: Form) -> Form:
+    """−|f|, or what encloses it where f changes its sign."""
+    if f.sign() == 1:
+        return -f
+    return f if (-f).sign() == 1 else Form(f.cell, f.m, f.e, 0, [0] * len(f.l), 0, abs(f.c) + f.w + f.r)

@@ -6,7 +6,7 @@ from typing import Any
 from .cells import Cell, Point, Ranges
 from .forms import Axis
 from .outcome import MISMATCH, demand
-from .polynomials import ONE, ZERO, Poly, decays_faster, norm2
+from .polynomials import ONE, ZERO, Poly, centred, decays_faster, norm2
 from .reader import FORMS
 
 Section = dict[str, Any]  # of the certificate
@@ -64,6 +64,18 @@ class Joint:
         """The characteristic function on a cell."""
         undelayed, delayed = self.loop(name, g)
         return cell.axis(undelayed + delayed) if not self.spec["sampling"] else undelayed + self.hold(cell) * delayed
+
+    def zonotope(self, cell: Cell, name: str, ranges: Ranges) -> list[Axis]:
+        """The characteristic function where parameters are symbols: `f[0] + Σ u_k f[k]`, |u_k| ≤ 1, at every ω."""
+        undelayed, delayed = self.loop(name)
+        pairs = (
+            [(undelayed, ONE), (delayed, self.hold(cell))] if self.spec["sampling"] else [(undelayed + delayed, ONE)]
+        )
+        found: dict[Any, Axis] = {(): cell.axis(ZERO)}
+        for value, by in pairs:
+            for keys, p in centred(value, tuple(ranges.items())):
+                found[keys] = found.get(keys, cell.axis(ZERO)) + cell.axis(p) * by
+        return list(found.values())
 
     def hold(self, cell: Cell) -> Value:
         """The hold on a cell; 1 without sampling."""

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from functools import lru_cache, reduce
 from itertools import zip_longest
 from math import gcd, lcm
+from operator import mul
 from typing import Any
 
 from .outcome import UNDECIDED, demand, tick
@@ -131,6 +132,16 @@ class Family(Ring):
 
 def _terms(value: Any) -> tuple[tuple[tuple[Any, ...], Poly], ...]:
     return value.terms if isinstance(value, Family) else (((), value),)
+
+
+@lru_cache(maxsize=256)
+def centred(value: Poly | Family, ranges: tuple[tuple[Any, tuple[Fraction, Fraction]], ...]) -> Any:
+    """Its terms in u, |u| ≤ 1, for parameters that are `(lo + hi)/2 + u (hi − lo)/2`."""
+    parts = {key: [((), Poly.of((lo + hi) / 2)), ((key,), Poly.of((hi - lo) / 2))] for key, (lo, hi) in ranges}
+    found = Family(())
+    for keys, p in _terms(value):
+        found += reduce(mul, [Family._of(parts[key]) for key in keys], Family((((), p),)))
+    return found.terms
 
 
 def on_axis(p: Any, q: Any) -> tuple[Any, Any]:

@@ -159,11 +159,14 @@ class Prover:
         linear = {key: part for key, part in family.items() if key not in motor} | symbols
 
         def on(cell: Cell, there: Point) -> list[Any]:
-            if "by" not in cell.cache:
-                cell.cache["by"] = self.nominal.value(cell, name).inverse()
-            return [self.joint(there, cell.ranges).value(cell, name) * cell.cache["by"]]
+            found = self.joint(there, linear).zonotope(cell, name, linear)
+            if cell.ends:  # where it is finite, and real, over the nominal's
+                if "by" not in cell.cache:
+                    cell.cache["by"] = self.nominal.value(cell, name).inverse()
+                found = [f * cell.cache["by"] for f in found]
+            return [found]
 
-        return cover(roots(WHOLE, [], linear), on, self.deadline, motor, 1)
+        return cover(roots(WHOLE, [], {}), on, self.deadline, motor, 1)
 
     def _tolerance(self, v: Fraction) -> str:
         """Every required claim at its required level, for every coefficient c(1 + e), |e| ≤ v."""

@@ -27,6 +27,7 @@ CONTROL = {  # from values at 0, 1/n, …, 1 of a polynomial of degree n to its 
         (0, 0, 0, 0, 36),
     ),
 }
+LEBESGUE = {1: (1, 1), 2: (5, 2), 4: (80, 1)}  # of these points, times [0][0]: fractions, rounded up
 
 
 def cover(
@@ -71,7 +72,7 @@ def _look(cell: Cell, box: Ranges, parts: Any, degree: int) -> tuple[int, list[i
     try:
         at = [list(parts(cell, dict(zip(box, point, strict=True)))) for point in product(*values)]
         for same in zip(*at, strict=True):
-            said = _hull(same, len(box)) if isinstance(same[0], Axis) else compare(cell, same, degree, len(box))
+            said = _hull(same, len(box)) if isinstance(same[0], list) else compare(cell, same, degree, len(box))
             if said[0] < 0:
                 return said
             found = found if said[0] or not found[0] else said
@@ -80,13 +81,10 @@ def _look(cell: Cell, box: Ranges, parts: Any, degree: int) -> tuple[int, list[i
     return found
 
 
-def _hull(values: Sequence[Axis], n: int) -> tuple[int, list[int]]:
+def _hull(values: Sequence[Sequence[Axis]], n: int) -> tuple[int, list[int]]:
     """A function that is affine in every parameter stays in the convex hull of its values at the corners."""
-    if excludes_zero(values):
-        return 1, []
-    aligned = [(z.p, z.q if z.p.cell.ends else z.q.at(z.p.m)) for z in values]
-    points = [Axis(*(Form(f.cell, f.m, f.e, f.c, [0, *f.l[1:]], 0, 0) for f in pair)) for pair in aligned]
-    return 0, [] if excludes_zero(points) else list(range(n))
+    everywhere, middle = excludes_zero(values)
+    return (1, []) if everywhere else (0, [] if middle else list(range(n)))
 
 
 def compare(cell: Cell, same: Sequence[Inequality], degree: int = 2, n: int = 0) -> tuple[int, list[int]]:
@@ -104,20 +102,23 @@ def compare(cell: Cell, same: Sequence[Inequality], degree: int = 2, n: int = 0)
     ]
     if len(rows[0]) > (3 if n == 0 or degree == 4 else 2):
         return _moduli(rows, degree, n)
+    inner = [[i for i in range(n) if 0 < place[i] < degree] for place in digits]
     for values in _conditions(rows):
-        slacks = control(values, degree, n)
-        if not (n == 1 and degree == 2 and _quadratic(slacks, strict)):
-            axes = [[i for i in range(n) if 0 < place[i] < degree] for place in digits]
-            said = _verdict([*zip(axes, slacks, strict=True)], strict)
-            if said[0] != 1:
-                return said
+        for way in (control, levelled) if n else (control,):  # the first decides equality at a corner
+            slacks = way(values, degree, n)
+            good = n == 1 and degree == 2 and _quadratic(slacks, strict)
+            said = (1, list[int]()) if good else _verdict([*zip(inner, slacks, strict=True)], strict)
+            if said[0]:
+                break
+        if said[0] != 1:
+            return said
     return 1, []
 
 
 def _moduli(rows: list[list[Form]], degree: int, n: int) -> tuple[int, list[int]]:
     """By roots: the bound is at least its smallest Bernstein coefficient, a sum of moduli largest at a corner."""
     digits, cell = list(product(range(degree + 1), repeat=n)), rows[0][0].cell
-    bounds = control([row[-1] for row in rows], degree, n)
+    bounds = (levelled if n else control)([row[-1] for row in rows], degree, n)
     if n and any(f.sign() != 1 for f in bounds):
         return 0, list(range(n))
     found = []
@@ -137,8 +138,8 @@ def _verdict(slacks: list[tuple[list[int], Form]], strict: bool) -> tuple[int, l
         return 1, []
     if any(f.sign(strict) < 0 for axes, f in doubtful if not axes):
         return -1, []
-    least, axes = min((f.middle(), axes) for axes, f in doubtful)
-    return 0, axes if 2 * least < min(f.middle() for axes, f in slacks if not axes) > 0 else []
+    least, width, axes = min((f.middle(), f.width(), axes) for axes, f in doubtful)
+    return 0, axes if min(f.middle() for axes, f in slacks if not axes) - least > width else []
 
 
 def _conditions(rows: list[list[Form]]) -> Iterator[list[Form]]:
@@ -165,3 +166,15 @@ def control(values: list[Form], degree: int, n: int) -> list[Form]:
             for row in CONTROL[degree]
         ]
     return values
+
+
+def levelled(values: list[Form], degree: int, n: int) -> list[Form]:
+    """The same for a polynomial below, where these are of the values' known part, less a bound of what is unknown.
+
+    The unknown part is a polynomial of this degree too, on the grid within the forms' r, so everywhere within r times
+    the Lebesgue constant; its coefficients, which `control` bounds, may be many times larger."""
+    e, (over, under) = max(f.e for f in values), LEBESGUE[degree]
+    unknown = max(((f.r >> e - f.e) + 1 for f in values if f), default=0) * over**n // under**n + 1
+    rest = Form(values[0].cell, 0, e, 0, [0] * len(values[0].l), 0, unknown)
+    known = [Form(f.cell, 0, f.e, f.c, f.l, f.q, 0) for f in values]
+    return [f + rest for f in control(known, degree, n)]

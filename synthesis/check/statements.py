@@ -39,7 +39,7 @@ def _small_gain(j: Joint, v: Fraction, load: Load, a: Value, b: Value, p: Value 
     V = V2.root()
     for k, (gap, size) in enumerate(_ratios(j, load, edge=True)):
         ratio = a2.cell.real(gap) * a2.cell.real(size).inverse()
-        if k < len(j.loads(load)) and ratio.m >= 0:
+        if k < len(j.loads(load)) and (ratio.m >= 0 or not ratio.cell.ends):
             W = (ratio.at(0).root() + ONE) * (V + ONE) - ONE
             yield Inequality([p2, W * W * a2], b2)
         elif not p or ranges(j.spec, LOADED):

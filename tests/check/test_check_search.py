@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from fractions import Fraction
 from math import comb, inf
@@ -19,7 +20,7 @@ from robimp.synthesis.check.polynomials import Poly
 from robimp.synthesis.check.positivity import Inequality
 from robimp.synthesis.check.proofs import Prover
 from robimp.synthesis.check.reader import read
-from robimp.synthesis.check.search import control, cover
+from robimp.synthesis.check.search import CONTROL, LEBESGUE, control, cover, levelled
 from robimp.synthesis.check.statements import STATEMENTS
 
 WEIGHT = {"numerator": ["1/20", "0"], "denominator": ["1", "100"]}
@@ -85,6 +86,50 @@ def test_control_points_are_the_bernstein_coefficients(degree: int) -> None:
     found = [form.middle() for form in control([cell.form(v) for v in grid], degree, 2)]
     scale = {1: 1, 2: 4, 4: 36**2}[degree]
     assert [float(f / scale) for f in found] == pytest.approx([float(v) for row in c for v in row], abs=1e-12)
+
+
+@pytest.mark.parametrize("degree", LEBESGUE)
+def test_what_is_unknown_at_the_points_is_bounded_between_them(degree: int) -> None:
+    """A polynomial of at most 1 at 0, 1/n, …, 1 is nowhere larger than the Lebesgue constant of these points."""
+    at = [Fraction(k, degree) for k in range(degree + 1)]
+
+    def lagrange(k: int, t: Fraction) -> Fraction:
+        return math.prod([(t - a) / (at[k] - a) for a in at if a != at[k]], start=Fraction(1))
+
+    largest = max(sum(abs(lagrange(k, Fraction(n, 400))) for k in range(degree + 1)) for n in range(401))
+    over, under = LEBESGUE[degree]
+    assert largest <= Fraction(over, under * CONTROL[degree][0][0]) <= largest * Fraction(101, 100)
+
+
+@pytest.mark.parametrize("degree", LEBESGUE)
+def test_bounds_of_the_values_bound_the_polynomial(degree: int) -> None:
+    """Values known to ±r, at their worst: the smallest coefficient is still below the polynomial everywhere."""
+    cell, rng = Cell(Fraction(1), Fraction(1), False, {}), random.Random(degree)
+    for _ in range(30):
+        values = [Fraction(rng.randint(1, 99)) for _ in range(degree + 1)]
+        r = [Fraction(rng.randint(0, 20)) for _ in values]
+        worst = [v - x * rng.choice((-1, 1)) for v, x in zip(values, r, strict=True)]
+        found = levelled([cell.form(v, r=x) for v, x in zip(values, r, strict=True)], degree, 1)
+        low = min(Fraction(f.c - f.w - f.r) * Fraction(2) ** f.e for f in found) / CONTROL[degree][0][0]
+        for n in range(41):
+            t = Fraction(n, 40) * degree
+            at = sum(
+                v * math.prod([(t - k) / (i - k) for k in range(degree + 1) if k != i], start=Fraction(1))
+                for i, v in enumerate(worst)
+            )
+            assert low <= at
+
+
+@pytest.mark.parametrize(("below", "said"), [("0", ""), ("1/1000000000", " at ω = 1 rad/s")])
+def test_equality_at_a_corner_of_the_parameters_is_enough_where_it_may_be(below: str, said: str) -> None:
+    """k ≥ 0 for k in [0, 1]: what is unknown of the other values is not held against this one."""
+    key = ("impedance", "stiffness")
+
+    def parts(_: Cell, at: dict[tuple[str, str], Fraction]) -> list[Inequality]:
+        return [Inequality([], Poly.of(at[key] / 7 - Fraction(below)), strict=False)]
+
+    cell, box = Cell(Fraction(1), Fraction(1), False, {}), {key: (Fraction(0), Fraction(1))}
+    assert cover([cell], parts, monotonic() + 20, box, 2) == said
 
 
 @pytest.mark.parametrize("terms", [0, 1, 2, 3])

@@ -71,26 +71,19 @@ def test_true_certificates_pass_and_each_margin_a_little_harder_does_not(name: s
     cert = certificate(s, EQ23)
     found = check_bytes(data(cert))
     assert found.exit_code == 0, found.message
-    for entry in cert["claims"]:
-        if entry["form"] in ("hurwitz", "winding", "box"):
-            continue
-        kind, margin = entry["id"], num(entry["margin"])
-        step = (1.5 * slack_of(s) + 2e-3) * abs(margin) * (-1 if kind in FALLING else 1)
-        tight = copy.deepcopy(cert)
-        harder = text(margin + step, 9)
-        entry = find(tight, kind, entry["form"])
-        entry["margin"] = harder
-        if kind == "bandwidth":
-            entry["interval"], tight["bandwidth"]["proven"] = ["0", harder], harder
-        tight["claims"] = [c for c in tight["claims"] if c["required"]]
-        bad = check_bytes(data(seal(tight)), time_limit=8)
-        assert (
-            bad.exit_code in (4, 5)
-            and dict(zip(((k, f) for k, f, _, _ in bad.claims), (c[2] for c in bad.claims), strict=True))[
-                kind, entry["form"]
-            ]
-            == "not verified"
-        ), kind
+    tight = copy.deepcopy(cert)  # every margin harder at once: each claim is judged on its own
+    tight["claims"] = [c for c in tight["claims"] if c["required"]]
+    harder = [c for c in tight["claims"] if c["form"] not in ("hurwitz", "winding", "box")]
+    for entry in harder:
+        margin = num(entry["margin"])
+        step = (1.5 * slack_of(s) + 2e-3) * abs(margin) * (-1 if entry["id"] in FALLING else 1)
+        entry["margin"] = text(margin + step, 9)
+        if entry["id"] == "bandwidth":
+            entry["interval"], tight["bandwidth"]["proven"] = ["0", entry["margin"]], entry["margin"]
+    bad = check_bytes(data(seal(tight)), time_limit=20)
+    assert bad.exit_code in (4, 5)
+    refused = {(kind, form) for kind, form, status, _ in bad.claims if status == "not verified"}
+    assert refused == {(entry["id"], entry["form"]) for entry in harder}
 
 
 @pytest.mark.parametrize("name", ["sampled", "range", "motor", "sampled range motor", "table"])
