@@ -91,8 +91,8 @@ def synthesize(
 ) -> Result:
     """Find (or take) a controller, prove every claim about it, have the proof re-checked, and simulate it.
 
-    time_limit [s] bounds the search. starts: controllers of similar joints with their ω_B [rad/s]; a search that begins
-    there computes no bound. shared: what an earlier search on the same joint, of another order, has found.
+    time_limit [s] bounds the search. starts: controllers of similar joints with their ω_B [rad/s],
+    for the search to begin from as well. shared: what an earlier search on the same joint, of another order, has found.
     Raises: InfeasibleError with the constraint and frequency; UndecidedError when the
     search ends without a proven controller; InputError for a controller that cannot be realized; RobimpError when
     prover, checker and simulation disagree.
@@ -210,7 +210,7 @@ def _search(
     if reason is not None:
         raise reason.error()
     shared = Shared() if shared is None else shared
-    if shared.bound is None and not starts:
+    if shared.bound is None:
         shared.bound = bound(setting, progress=progress)
     limit = shared.bound
     low, high = frequency_scale(setting)
@@ -232,11 +232,10 @@ def _search(
             f"no controller of this structure was found that can be proven ({hint}); "
             "try another order, a smaller uncertainty, more damping in the impedance, or a larger attenuation"
         )
-    if (
-        limit is not None and limit.limited and limit.omega_B < found.candidate.omega_B
-    ):  # too few terms, or a joint like no other
+    if limit is not None and limit.limited and limit.omega_B < found.candidate.omega_B:  # too few terms
         limit = bound(setting, 2 * limit.terms, progress)
         limit = limit if limit is not None and limit.omega_B >= found.candidate.omega_B else None
+        shared.bound = limit
     return found.candidate.coefficients, limit
 
 

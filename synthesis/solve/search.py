@@ -90,7 +90,7 @@ class Search:
     """One search: deterministic for a seed. omega_0: where the bandwidth is expected [rad/s]; refute: the prover.
 
     ideal: a frequency response of Q̃ to begin from, the bound's. starts: controllers of similar joints with their ω_B
-    [rad/s], to begin from instead. known: optima of structures already searched, shared by searches of other orders.
+    [rad/s], to begin from as well. known: optima of structures already searched, shared by searches of other orders.
     """
 
     setting: Setting
@@ -124,14 +124,10 @@ class Search:
         return found if again is None or again.candidate.omega_B < found.candidate.omega_B else again
 
     def _at_scale(self, structure: Structure) -> Found | None:
-        if self.starts:
-            found = self._from_simple([structure])
-            if found is not None:
-                return found
         chain = [structure]
         while (simpler := chain[0].simpler) is not None:
             chain.insert(0, simpler)
-        return replace(self, starts=())._from_simple(chain)
+        return self._from_simple(chain)
 
     def _from_simple(self, chain: list[Structure]) -> Found | None:
         """Search structure after structure, each from the optima of the one before; prove the last one's."""
@@ -140,7 +136,7 @@ class Search:
         searched: list[tuple[Structure, Optima]] = []
         for structure in chain:
             key = structure, self.omega_0
-            if key not in self.known or self.starts:
+            if key not in self.known or (self.starts and structure == chain[-1]):
                 self.progress(f"searching {structure}")
                 self.known[key] = self._optima(Program(self.setting, structure, first, self.omega_0), optima)
             optima = self.known[key]
@@ -181,12 +177,13 @@ class Search:
 
     def _starts(self, program: Program, below: Optima) -> Iterator[Start]:
         structure, rng = program.structure, np.random.default_rng(self.seed)
-        for coefficients, omega_B in self.starts:
+        asked = structure == structure_of(self.setting.spec)
+        for coefficients, omega_B in self.starts if asked else ():
             response = Response.of(self.setting, coefficients, below.grids.omega)
             x = reduced(program, response, structure.start(rng))
             yield Start(x, 0.95 * omega_B, near=True)
             yield Start(x, 0.8 * omega_B)
-        if self.ideal is not None and structure == structure_of(self.setting.spec):
+        if self.ideal is not None and asked:
             for k in range(REDUCED):
                 x = reduced(program, self.ideal, structure.start(rng))
                 yield Start(x, 0.8 * self.omega_0, votes=k == 0)
