@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
@@ -18,6 +19,8 @@ import numpy as np
 import pytest
 
 from robimp.synthesis import ExitCode, Result, load, synthesize
+from robimp.synthesis.certificate.claims import certify
+from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.check import canonical_json, check_bytes
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.solve.structure import QFilter
@@ -158,6 +161,7 @@ def test_every_example_is_named_as_its_file_and_has_an_outcome(result: Results) 
         "tree-avocado": ExitCode.PROVEN,
         "tree-lemon": ExitCode.PROVEN,
         "tree-orange": ExitCode.PROVEN,
+        "two-modes": ExitCode.PROVEN,
         "unstable-optimum": ExitCode.REFUTED,
         "ut-sea": ExitCode.PROVEN,
     }
@@ -193,3 +197,32 @@ def test_a_published_actuator_has_plausible_units_and_says_which_numbers_are_pub
     damping = float(spec.actuator.motor_damping + spec.actuator.spring_stiffness * loop.kd)
     assert 0.6 < damping / (2 * float(spec.actuator.motor_inertia) * natural) < 0.8
     assert f"= {natural:.0f} rad/s" in text
+
+
+def test_two_flexible_modes_are_those_of_the_masses_and_springs(result: Results) -> None:
+    """`J₁θ̈₁ + b₁θ̇₁ = τ_m − τ_t`, `J₂θ̈₂ + b₂θ̇₂ = τ_t − τ_sea`, `τ_t = (k₁ + c₁s)(θ₁ − θ₂)`, `τ_sea = k₂(θ₂ − θ)`."""
+    J1, b1, J2, b2, k1, c1, k2 = 0.008, 0.04, 0.002, 0.01, 400.0, 1.0, 4.8
+    actuator = result("two-modes").spec.actuator
+    for s in 1j * np.geomspace(0.3, 3000, 25):
+        C_t, transmission = 10 + 0.25 * s / (1 + s / 1000), k1 + c1 * s
+        A = [
+            [J1 * s**2 + b1 * s + transmission, -transmission + C_t * k2],
+            [-transmission, J2 * s**2 + b2 * s + transmission + k2],
+        ]
+        for port, torque, angle, sign in ((actuator.transfer, 1, 0, 1), (actuator.impedance, 0, 1, -1)):
+            theta = np.linalg.solve(A, [(1 + C_t) * torque + C_t * k2 * angle, k2 * angle])
+            numerator, denominator = (
+                np.polyval([float(c) for c in part], s) for part in (port.numerator, port.denominator)
+            )
+            assert numerator / denominator == pytest.approx(sign * k2 * (theta[1] - angle), rel=1e-6)
+
+
+def test_an_order_8_filter_on_two_flexible_modes_is_proven_and_checked_in_ten_seconds(result: Results) -> None:
+    found = result("two-modes")
+    assert len(found.coefficients.denominator) == 9
+    assert float(found.omega_B) > 48
+    began = time.process_time()
+    claims = certify(Setting.of(found.spec), Setting.of(found.spec).compensator(found.coefficients))
+    assert all(claim.status is Outcome.PROVEN for claim in claims if claim.required)
+    assert check_bytes(found.certificate_bytes()).exit_code == ExitCode.PROVEN
+    assert time.process_time() - began < 10

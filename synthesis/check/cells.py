@@ -181,12 +181,7 @@ def roots(interval: tuple[Fraction, Any], breaks: Iterable[Fraction], ranges: Ra
     lo, hi = (inf if end == inf else Fraction(end) ** 2 for end in interval)
     if lo == hi:
         return [Cell(ZERO, ZERO, True, ranges) if lo == inf else Cell(Fraction(lo), Fraction(lo), False, ranges)]
-    inner = {Fraction(4) ** k for k in range(-6, 15)} | {b**2 for b in breaks}
-    points = [
-        lo,
-        *sorted(x for x in inner if lo < x < hi),
-        *[hi] * (hi != inf),
-        *[lo * 2] * (hi == inf and lo >= 4**14),
-    ]
+    inner = {Fraction(4) ** k for k in range(-6, 15)} | {b**2 for b in breaks} | {lo * 2}
+    points = [lo, *sorted(x for x in inner if lo < x < hi), *[hi] * (hi != inf)]
     cells = [Cell(Fraction(a), Fraction(b), False, ranges) for a, b in pairwise(points)]
     return [*cells, Cell(ZERO, 1 / Fraction(points[-1]), True, ranges)] if hi == inf else cells

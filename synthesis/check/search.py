@@ -15,7 +15,7 @@ from .outcome import UNDECIDED, CheckError, demand, tick
 from .polynomials import Poly
 from .positivity import Inequality
 
-CELLS, DEPTH = 40_000, 60  # limits
+CELLS, DEPTH, POINTS = 40_000, 60, 4_096  # limits
 CONTROL = {  # from values at 0, 1/n, …, 1 of a polynomial of degree n to its Bernstein coefficients, times [0][0]
     1: ((1, 0), (0, 1)),
     2: ((2, 0, 0), (-1, 4, -1), (0, 0, 2)),
@@ -47,7 +47,7 @@ def cover(
             return ""
         tick(deadline)
         cell, around, depth = stack.pop()
-        said, axes = _look(cell, around, parts, degree)
+        said, axes = _look(cell, around, parts, degree, deadline)
         if said < 0:
             return str(cell)
         if said == 0:
@@ -65,12 +65,15 @@ def cover(
     raise CheckError(UNDECIDED, "neither proven nor refuted")
 
 
-def _look(cell: Cell, box: Ranges, parts: Any, degree: int) -> tuple[int, list[int]]:
+def _look(cell: Cell, box: Ranges, parts: Any, degree: int, deadline: float) -> tuple[int, list[int]]:
     """1: every part is proven; −1: one fails; 0, and the parameters to halve, if not ω."""
     values = [[lo + (hi - lo) * Fraction(k, degree) for k in range(degree + 1)] for lo, hi in box.values()]
-    found = 1, list[int]()
+    demand((degree + 1) ** len(box) <= POINTS, "too many ranges at once", UNDECIDED)
+    found, at = (1, list[int]()), []
     try:
-        at = [list(parts(cell, dict(zip(box, point, strict=True)))) for point in product(*values)]
+        for point in product(*values):
+            tick(deadline)
+            at.append(list(parts(cell, dict(zip(box, point, strict=True)))))
         for same in zip(*at, strict=True):
             said = _hull(same, len(box)) if isinstance(same[0], list) else compare(cell, same, degree, len(box))
             if said[0] < 0:
