@@ -172,6 +172,10 @@ def _meaning(c: Json) -> Iterator[tuple[str, Edit, int, str]]:
             yield f"{id}-raised", _moved(id, "11/10"), FALSE, f"{id} at a margin at which it fails"
     if "peak" in ids:
         yield "peak-lowered", _moved("peak", "9/10"), FALSE, "a peak lower than the true one"
+    if "noise" in ids:
+        yield "noise-lowered", _moved("noise", "9/10"), FALSE, "less noise than the true gain"
+    if "tolerance" in ids:
+        yield "tolerance-raised", _moved("tolerance", "3/2"), FALSE, "a tolerance beyond the one that breaks a claim"
     if "friction" in ids:
         yield "friction-zero", _claim("friction", margin="0", refuted_at=None), FALSE, "friction needs a margin above 0"
     yield "bandwidth-zero", _narrower("0"), MISMATCH, "no bandwidth at all"
@@ -279,6 +283,9 @@ def twins(data: bytes, every: bool) -> Iterator[Twin]:
             "bandwidth-raised",
             "eq9-raised",
             "peak-lowered",
+            "noise-lowered",
+            "tolerance-raised",
+            "without-tolerance",
             "without-stability-free",
             "friction-zero",
         ):
