@@ -10,13 +10,18 @@ Derivation: the load obeys `G⁻¹θ = τ_int + τ_sea`, the actuator `τ_sea = 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from .actuator import IDEAL, TwoPort
 from .controller import Compensator, Filters
 from .impedance import DynamicStiffness, inverse_dynamic_compensation
 from .rational import S, ratio
 from .sampling import Closed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -84,6 +89,13 @@ class ImpedanceLoop:
         """Apparent impedance `τ_int/θ`, (★) [N·m/rad]."""
         X = self.Q_tilde(C)
         return X * self.G_imp + (1 - X) * self.Z0(load)
+
+    def Z_at(self, C: Compensator, load: DynamicStiffness, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Values of Z, (★) [N·m/rad], with a hold too, where Z is no function of s alone. omega: (n,) [rad/s]."""
+        if self.actuator.hold is None:
+            return np.asarray(self.Z(C, load).at(omega))
+        X = self.Q_tilde(C).at(omega)
+        return np.asarray(X * self.G_imp.at(omega) + (1 - X) * self.Z0(load).at(omega))
 
     def dynamic_error_gain(self, load: DynamicStiffness) -> Any:
         """`N = G G_imp/(1 − G(Ĝ⁻¹ − G_imp))`, (22), ideal actuator: (21) reads `θ/τ_int = G_imp⁻¹ (1+C)N/(1+CN)`."""

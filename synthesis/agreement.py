@@ -103,14 +103,10 @@ class Proven:
 
 
 def predicted(setting: Setting, compensator: Compensator, trial: Trial) -> NDArray[np.complex128]:
-    """(★) for the trial's own joint at its frequencies: `Z = Q̃ G_imp + (1−Q̃) Z₀`, with a hold by its values."""
-    omega, loop = np.array(trial.frequencies), setting.at(_parameters(setting, trial)).loop
+    """(★) for the trial's own joint at its frequencies."""
     load = DynamicStiffness.of(trial.load.inertia, trial.load.damping, trial.load.stiffness)
-    if loop.actuator.hold is None:
-        response: NDArray[np.complex128] = loop.Z(compensator, load).at(omega)
-        return response
-    X = loop.Q_tilde(compensator).at(omega)
-    return np.asarray(X * loop.G_imp.at(omega) + (1 - X) * loop.Z0(load).at(omega))
+    loop = setting.at(_parameters(setting, trial)).loop
+    return loop.Z_at(compensator, load, np.array(trial.frequencies))
 
 
 def _parameters(setting: Setting, trial: Trial) -> dict[str, fmpq]:

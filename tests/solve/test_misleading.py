@@ -8,6 +8,7 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+from good_joint import GOOD, setting
 
 from robimp.synthesis.certificate.claims import Counterexample, counterexamples
 from robimp.synthesis.certificate.outcome import Outcome
@@ -21,16 +22,7 @@ search_module = import_module("robimp.synthesis.solve.search")
 compute_bound = import_module("robimp.synthesis.solve.bound").bound
 
 ROOT = Path(__file__).parents[2]
-GOOD = (ROOT / "tests" / "data" / "specs" / "good.yaml").read_text(encoding="utf-8")
 EQ23 = ("order: 4", "form: eq23")
-
-
-def setting(*pairs: tuple[str, str]) -> Setting:
-    text = GOOD
-    for old, new in pairs:
-        assert old in text
-        text = text.replace(old, new)
-    return Setting.of(parse_spec(text))
 
 
 def proof(joint: Setting) -> Callable[[Polynomials, float], Sequence[Counterexample]]:

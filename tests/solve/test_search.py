@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import partial
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from good_joint import setting
 
 from robimp.synthesis.certificate.claims import Counterexample, certify, counterexamples
 from robimp.synthesis.certificate.outcome import Outcome
@@ -25,22 +25,11 @@ from robimp.synthesis.solve.places import Grids
 from robimp.synthesis.solve.reduction import Response, reduced
 from robimp.synthesis.solve.search import REACHED, Found, Optima, Refute, Search
 from robimp.synthesis.solve.structure import QFilter
-from robimp.synthesis.spec import parse_spec
 from robimp.synthesis.spec.model import Polynomials
 
 search_module = import_module("robimp.synthesis.solve.search")
 places_module = import_module("robimp.synthesis.solve.places")
 compute_bound = import_module("robimp.synthesis.solve.bound").bound
-
-GOOD = (Path(__file__).parents[1] / "data" / "specs" / "good.yaml").read_text(encoding="utf-8")
-
-
-def setting(*pairs: tuple[str, str]) -> Setting:
-    text = GOOD
-    for old, new in pairs:
-        assert old in text
-        text = text.replace(old, new)
-    return Setting.of(parse_spec(text))
 
 
 # The bound

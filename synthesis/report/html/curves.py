@@ -18,8 +18,6 @@ from .words import load_names
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from ....models.closed_loop import ImpedanceLoop
-    from ....models.impedance import DynamicStiffness
     from ...problem.setting import Setting
     from .study import CheckedClaim, Study
 
@@ -80,16 +78,10 @@ def ports(study: Study) -> list[Port]:
     found = []
     for vertex, wish in zip(vertices, wishes, strict=True):
         for k, (load, name) in enumerate(zip(loads, load_names(loads), strict=True)):
-            Z = apparent(vertex.loop, study.compensator, load, study.omega)
+            Z = vertex.loop.Z_at(study.compensator, load, study.omega)
             of = f", desired {wish}" if wish else ""
             found.append(Port(name + of, k == 0, Z, vertex.loop.desired.rational.at(study.omega)))
     return found
-
-
-def apparent(loop: ImpedanceLoop, C: Any, load: DynamicStiffness, omega: Real) -> Complex:
-    """(★) by its values, so that a hold is allowed: `Z = Q̃ G_imp + (1−Q̃) Z₀`. omega: (n,) [rad/s]. Returns (n,)."""
-    X = loop.Q_tilde(C).at(omega)
-    return np.asarray(X * loop.G_imp.at(omega) + (1 - X) * loop.Z0(load).at(omega))
 
 
 @dataclass(frozen=True)
