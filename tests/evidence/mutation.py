@@ -1,237 +1,198 @@
 """Mutation testing of the checker: one small change at a time, run against its own tests; what survives is listed.
 
-    python tests/evidence/mutation.py --budget 600 [--module positivity.py] [--processes 2] [--seed 0]
+    python tests/evidence/mutation.py [--record FILE] [--budget 600] [--module positivity.py] [--processes 2]
 
-Survivors that are explained in survivors.md (one line each) are not reported again; 1 if another one survives.
+pytest collects the tests once. Each mutant is a fork of that process with its code exchanged; it runs the tests that
+enter the changed function, the quick ones first, until one fails. With --record the same command goes on where the
+budget ended; what was tried on another checker or by other tests is tried again. Survivors that are explained in
+survivors.md (one line each) are not reported; the exit code is 1 if another one survives.
 """
 
 from __future__ import annotations
 
 import argparse
-import ast
-import copy
+import hashlib
+import json
 import os
 import random
-import shutil
 import signal
-import subprocess
 import sys
-import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
 from pathlib import Path
-from queue import Queue
+from types import FrameType
+from typing import Any, NamedTuple, TypeVar
+
+import pytest
+from _pytest.runner import runtestprotocol
+from mutants import PACKAGE, Mutant, mutants, transplant
 
 ROOT = Path(__file__).parents[2]
-CHECK = Path("synthesis") / "check"
-TESTS = ("tests/evidence/test_evidence_corpus.py", "tests/check")  # the quick ones first
+CHECK = ROOT / "synthesis" / "check"
+TESTS = [ROOT / "tests" / "evidence" / "test_evidence_corpus.py", ROOT / "tests" / "check"]
 SURVIVORS = Path(__file__).with_name("survivors.md")
-SECONDS = 120.0  # for one mutant's tests; longer counts as noticed
-SWAPS: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
-    ast.Lt: (ast.LtE, ast.GtE),
-    ast.LtE: (ast.Lt, ast.Gt),
-    ast.Gt: (ast.GtE, ast.LtE),
-    ast.GtE: (ast.Gt, ast.Lt),
-    ast.Eq: (ast.NotEq,),
-    ast.NotEq: (ast.Eq,),
-    ast.Is: (ast.IsNot,),
-    ast.IsNot: (ast.Is,),
-    ast.In: (ast.NotIn,),
-    ast.NotIn: (ast.In,),
-    ast.Add: (ast.Sub,),
-    ast.Sub: (ast.Add,),
-    ast.Mult: (ast.Add,),
-    ast.FloorDiv: (ast.Mult,),
-    ast.Div: (ast.Mult,),
-    ast.Mod: (ast.Mult,),
-    ast.Pow: (ast.Mult,),
-    ast.LShift: (ast.RShift,),
-    ast.RShift: (ast.LShift,),
-    ast.And: (ast.Or,),
-    ast.Or: (ast.And,),
-    ast.USub: (ast.UAdd,),
-}
-NAMES = {"min": "max", "max": "min", "any": "all", "all": "any"}
-KEPT = {"strict", "frozen", "slots"}  # keywords of zip and dataclass: no behaviour of a checker
+SLOWER, GRACE = 8, 5.0  # a test that takes so many times as long, and so many seconds [s] more, has noticed
+SURVIVED = "survived"
+T = TypeVar("T")
 
 
-@dataclass(frozen=True)
-class Mutant:
-    """One change: the file, the function, the line as it was, what was done, and the whole new source."""
+class Reach(NamedTuple):
+    """What one test does without any change: its time [s], and the names of the checker's functions it enters."""
 
-    file: str
-    line: int
-    place: str
-    text: str
-    change: str
-    source: str
-
-    @property
-    def key(self) -> str:
-        return f"`{self.file}` {self.place}: `{self.text}` — {self.change}"
-
-
-def _edits(node: ast.AST) -> Iterator[tuple[str, ast.AST | None]]:
-    """What may become of a node: a description and the new node (None: removed)."""
-    new = copy.deepcopy(node)
-    if isinstance(new, ast.Compare):
-        for k, op in enumerate(new.ops):
-            for other in SWAPS[type(op)]:
-                changed = copy.deepcopy(new)
-                changed.ops[k] = other()  # type: ignore[call-overload]
-                yield f"{type(op).__name__} to {other.__name__}", changed
-    elif isinstance(new, ast.BinOp | ast.BoolOp | ast.UnaryOp) and type(new.op) in SWAPS:
-        was, (other,) = type(new.op).__name__, SWAPS[type(new.op)]
-        new.op = other()  # type: ignore[assignment]
-        yield f"{was} to {other.__name__}", new
-    elif isinstance(new, ast.UnaryOp) and isinstance(new.op, ast.Not):
-        yield "not removed", new.operand
-    elif isinstance(new, ast.IfExp):
-        new.body, new.orelse = new.orelse, new.body
-        yield "branches exchanged", new
-    elif isinstance(new, ast.Constant) and isinstance(new.value, bool):
-        yield f"{new.value} to {not new.value}", ast.Constant(not new.value)
-    elif isinstance(new, ast.Constant) and isinstance(new.value, int):
-        for step in (1, -1):
-            yield f"{new.value} to {new.value + step}", ast.Constant(new.value + step)
-    elif isinstance(new, ast.Name) and new.id in NAMES and isinstance(new.ctx, ast.Load):
-        yield f"{new.id} to {NAMES[new.id]}", ast.Name(NAMES[new.id], ast.Load())
-    elif isinstance(new, ast.If | ast.While):
-        for value in (True, False)[: 2 if isinstance(new, ast.If) else 0]:
-            changed = copy.deepcopy(new)
-            changed.test = ast.Constant(value)
-            yield f"condition to {value}", changed
-    elif isinstance(new, ast.Expr | ast.Assign | ast.AugAssign | ast.Raise | ast.Continue | ast.Break):
-        if not (isinstance(new, ast.Expr) and isinstance(new.value, ast.Constant)):
-            yield "removed", ast.Pass()
-    elif isinstance(new, ast.Return) and new.value is not None:
-        yield "returns None", ast.Return(ast.Constant(None))
-
-
-def mutants(file: Path) -> Iterator[Mutant]:
-    """Every mutant of a source file."""
-    source = file.read_text(encoding="utf-8")
-    lines, tree = source.splitlines(), ast.parse(source)
-
-    def visit(node: ast.AST, place: str, quiet: bool) -> Iterator[Mutant]:
-        for name, value in ast.iter_fields(node):
-            for k, child in enumerate(value if isinstance(value, list) else [value]):
-                if not isinstance(child, ast.AST):
-                    continue
-                hidden = quiet or (isinstance(child, ast.keyword) and child.arg in KEPT) or name == "annotation"
-                hidden = hidden or (name == "returns") or isinstance(child, ast.JoinedStr)
-                if hasattr(child, "lineno") and not hidden:
-                    for change, new in _edits(child):
-                        _put(node, name, value, k, new)
-                        text = ast.unparse(ast.fix_missing_locations(tree))
-                        _put(node, name, value, k, child)
-                        yield Mutant(file.name, child.lineno, place, lines[child.lineno - 1].strip(), change, text)
-                inner = child.name if isinstance(child, ast.FunctionDef | ast.ClassDef) else place
-                yield from visit(child, inner, hidden)
-
-    yield from visit(tree, "module", False)
-
-
-def _put(node: ast.AST, name: str, value: object, k: int, new: ast.AST | None) -> None:
-    if isinstance(value, list):
-        value[k] = new
-    else:
-        setattr(node, name, new)
-
-
-def workshop(folder: Path) -> Path:
-    """A copy of what the checker's tests need, importable as `robimp` before any installed one."""
-    for name in ("synthesis", "models", "tests/check", "tests/data"):
-        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
-    (folder / "tests" / "evidence").mkdir()
-    shutil.copy(ROOT / TESTS[0], folder / TESTS[0])
-    shutil.copy(ROOT / "pyproject.toml", folder)
-    (folder / "site" / "robimp").mkdir(parents=True)
-    for name in ("synthesis", "models"):
-        (folder / "site" / "robimp" / name).symlink_to(folder / name)
-    return folder
-
-
-def killed(folder: Path, tests: tuple[str, ...] = TESTS) -> str | None:
-    """The first test that fails in a workshop, or None."""
-    environment = {**os.environ, "PYTHONPATH": str(folder / "site"), "PYTHONDONTWRITEBYTECODE": "1"}
-    command = [sys.executable, "-m", "pytest", "-xq", "--tb=no", "-p", "no:cacheprovider", "-p", "no:xdist"]
-    command += ["-o", "addopts=", "--hypothesis-seed=0", *tests]
-    run = subprocess.Popen(
-        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
-    )
-    try:
-        out, _ = run.communicate(timeout=SECONDS)
-    except subprocess.TimeoutExpired:
-        os.killpg(run.pid, signal.SIGKILL)  # its own children too
-        run.communicate()
-        return "takes too long"
-    if run.returncode == 0:
-        return None
-    said = [line for line in out.decode(errors="replace").splitlines() if line.startswith(("FAILED", "ERROR"))]
-    return said[0][:100] if said else f"pytest ends with {run.returncode}"
+    seconds: float
+    places: frozenset[str]
 
 
 def explained() -> set[str]:
     """Keys of the survivors that have an explanation."""
-    if not SURVIVORS.exists():
-        return set()
     lines = SURVIVORS.read_text(encoding="utf-8").splitlines()
     return {line[2:].rsplit(" ⇒ ", 1)[0] for line in lines if line.startswith("- ") and " ⇒ " in line}
 
 
+def failed(item: pytest.Item, after: pytest.Item | None) -> bool:
+    """Run one test."""
+    return any(report.failed for report in runtestprotocol(item, log=False, nextitem=after))
+
+
+def reach(item: pytest.Item) -> Reach:
+    """Run one test, and see which of the checker's functions it enters."""
+    places: set[str] = set()
+
+    def enter(frame: FrameType, event: str, _: Any) -> None:
+        if event == "call" and frame.f_globals.get("__name__", "").startswith(PACKAGE):
+            places.add(frame.f_code.co_name)
+
+    began = time.monotonic()
+    sys.setprofile(enter)
+    try:
+        wrong = failed(item, None)
+    finally:
+        sys.setprofile(None)
+    if wrong:
+        raise RuntimeError("fails without any change")
+    return Reach(time.monotonic() - began, frozenset(places))
+
+
+def trial(mutant: Mutant, items: list[pytest.Item], known: dict[str, Reach]) -> str:
+    """The first test that notices a mutant; the process ends by SIGALRM if one is not done in its time."""
+    try:
+        transplant(mutant)
+    except Exception as fault:  # it does not even load
+        return type(fault).__name__
+    everywhere = all(mutant.place not in r.places for r in known.values())
+    items = [i for i in items if everywhere or mutant.place in known[i.nodeid].places]
+    for item, after in zip(items, [*items[1:], None], strict=True):
+        signal.setitimer(signal.ITIMER_REAL, SLOWER * known[item.nodeid].seconds + GRACE)
+        if failed(item, after):
+            return item.nodeid
+    return SURVIVED
+
+
+def in_forks(work: Iterable[T], do: Callable[[T], Any], processes: int, until: float) -> Iterable[tuple[T, Any]]:
+    """Each piece of work with its answer, from a process of its own; None if that was lost."""
+    running: dict[int, tuple[T, int]] = {}
+    waiting = iter(work)
+    while True:
+        while len(running) < processes and time.monotonic() < until:
+            try:
+                piece = next(waiting)
+            except StopIteration:
+                break
+            source, sink = os.pipe()
+            if pid := os.fork():
+                os.close(sink)
+                running[pid] = (piece, source)
+                continue
+            try:
+                os.setsid()  # its own children end with it
+                signal.signal(signal.SIGALRM, signal.SIG_DFL)
+                answer = json.dumps(do(piece), default=list).encode()
+                os.write(sink, answer)
+            finally:
+                os._exit(0)
+        if not running:
+            return
+        pid, _ = os.wait()
+        piece, source = running.pop(pid)
+        with os.fdopen(source, "rb") as pipe:
+            said = pipe.read()
+        yield piece, json.loads(said) if said else None
+
+
+class Mutation:
+    """The pytest plugin that runs mutants in place of tests."""
+
+    def __init__(self, given: argparse.Namespace) -> None:
+        self.given, self.counts, self.survivors = given, Counter[str](), list[Mutant]()
+
+    def pytest_runtestloop(self, session: pytest.Session) -> bool:
+        processes = self.given.processes
+        items = {item.nodeid: item for item in session.items}
+        known: dict[str, Reach] = {}
+        for name, answer in in_forks(items, lambda n: reach(items[n]), processes, float("inf")):
+            if answer is None:
+                raise pytest.UsageError(f"{name} fails without any change")
+            known[name] = Reach(answer[0], frozenset(answer[1]))
+        ordered = sorted(session.items, key=lambda i: known[i.nodeid].seconds)
+        record, tried = self.record()
+        until = time.monotonic() + self.given.budget
+        for mutant, by in in_forks(
+            (m for m in self.todo() if m.key not in tried), lambda m: trial(m, ordered, known), processes, until
+        ):
+            tried[mutant.key] = by or "takes too long"
+            if record:
+                with record.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps([self.digest(), mutant.key, tried[mutant.key]]) + "\n")
+        for mutant in self.todo():
+            self.count(mutant, tried.get(mutant.key))
+        return True
+
+    def todo(self) -> list[Mutant]:
+        """All mutants that were asked for, in an order that makes the first ones a fair sample."""
+        wanted = [f for f in sorted(CHECK.glob("*.py")) if not self.given.module or f.name in self.given.module]
+        found = [m for file in wanted for m in mutants(file)]
+        random.Random(self.given.seed).shuffle(found)
+        return found
+
+    def digest(self) -> str:
+        """Of the checker and its tests: what was tried on others does not count."""
+        files = [*CHECK.glob("*.py"), *(p for t in TESTS for p in (t.rglob("*.py") if t.is_dir() else [t]))]
+        return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()[:16]
+
+    def record(self) -> tuple[Path | None, dict[str, str]]:
+        """The record's file, and what it says of this checker."""
+        path = self.given.record
+        if path is None or not path.exists():
+            return path, {}
+        lines = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+        return path, {key: by for digest, key, by in lines if digest == self.digest()}
+
+    def count(self, mutant: Mutant, by: str | None) -> None:
+        how = "not tried" if by is None else "noticed" if by != SURVIVED else "survived, explained"
+        if by == SURVIVED and mutant.key not in explained():
+            how = SURVIVED
+            self.survivors.append(mutant)
+        self.counts[how] += 1
+
+
 def main() -> int:
-    """Sample mutants within the budget and print the score and what survived."""
+    """Try mutants within the budget, and print what survived and the counts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--budget", type=float, default=600, help="seconds (default 600)")
+    parser.add_argument("--budget", type=float, default=600, help="seconds of trying (default 600)")
     parser.add_argument("--module", action="append", help="file name in synthesis/check (default all)")
+    parser.add_argument("--record", type=Path, help="file of what was tried, to go on later")
+    parser.add_argument("--tests", nargs="+", type=Path, default=TESTS)
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    files = sorted((ROOT / CHECK).glob("*.py"))
-    todo = [m for file in files if not given.module or file.name in given.module for m in mutants(file)]
-    random.Random(given.seed).shuffle(todo)
-    known, counts, survivors, until = explained(), Counter[str](), [], time.monotonic() + given.budget
-    with tempfile.TemporaryDirectory() as folder:
-        free: Queue[Path] = Queue()
-        for k in range(given.processes):
-            free.put(workshop(Path(folder) / str(k)))
-        unchanged = free.get()
-        if fault := killed(unchanged):
-            sys.stdout.write(f"the tests fail without any change: {fault}\n")
-            return 2
-        free.put(unchanged)
-
-        def run(mutant: Mutant) -> tuple[Mutant, str | None] | None:
-            if time.monotonic() > until:
-                return None
-            place = free.get()
-            target = place / CHECK / mutant.file
-            before = target.read_text(encoding="utf-8")
-            target.write_text(mutant.source, encoding="utf-8")
-            try:
-                return mutant, killed(place)
-            finally:
-                target.write_text(before, encoding="utf-8")
-                free.put(place)
-
-        with ThreadPoolExecutor(given.processes) as pool:
-            for done in pool.map(run, todo):
-                if done is None:
-                    continue
-                mutant, by = done
-                how = "noticed" if by else "survived, explained" if mutant.key in known else "survived"
-                counts[how] += 1
-                if how == "survived":
-                    survivors.append(mutant)
-                    sys.stdout.write(f"{mutant.file}:{mutant.line}\n- {mutant.key} ⇒ \n")
-                    sys.stdout.flush()
-    tried = sum(counts.values())
-    sys.stdout.write(f"{len(todo)} mutants, {tried} tried: " + ", ".join(f"{n} {k}" for k, n in counts.items()) + "\n")
-    return 1 if survivors else 0
+    mutation = Mutation(given)
+    options = ["-qq", "-p", "no:cacheprovider", "-p", "no:xdist", "-o", "addopts="]
+    code = pytest.main([*options, "--hypothesis-seed=0", *map(str, given.tests)], plugins=[mutation])
+    for mutant in sorted(mutation.survivors, key=lambda m: (m.file, m.line)):
+        sys.stdout.write(f"{mutant.file}:{mutant.line}\n- {mutant.key} ⇒ \n")
+    sys.stdout.write(", ".join(f"{n} {how}" for how, n in mutation.counts.items()) + "\n")
+    return 1 if mutation.survivors or code else 0
 
 
 if __name__ == "__main__":
