@@ -17,7 +17,7 @@ from .joint import EDGE, Joint, View, ranges, stiffness
 from .outcome import FALSE, UNDECIDED, CheckError, demand
 from .polynomials import ONE, Poly, decays_faster
 from .positivity import counterexample, square
-from .requirements import ALL, SIGNED, WHOLE, Kind, asked, required_kinds
+from .requirements import ALL, SIGNED, WHOLE, Kind, requirements
 from .search import cover
 from .statements import STATEMENTS, port_ends
 
@@ -28,7 +28,8 @@ class Prover:
     """One certificate: its specification and a controller, the certificate's or a witness of its sensitivity."""
 
     def __init__(self, certificate: dict[str, Any], deadline: float, controller: dict[str, Any] | None = None) -> None:
-        self.spec, self.deadline, self.omega_b = certificate["spec"], deadline, certificate["bandwidth"]["proven"]
+        self.certificate, self.spec, self.deadline = certificate, certificate["spec"], deadline
+        self.asked = requirements(self.spec, certificate["bandwidth"]["proven"])
         self.controller = controller or certificate["controller"]
         self.sampled, self.table = bool(self.spec["sampling"]), self.spec["uncertainty"]["table"] or {"points": []}
         self.joints, self.views, self.cells = dict[Any, Joint](), dict[Any, View](), dict[Any, Cell]()
@@ -191,9 +192,8 @@ class Prover:
         """Every required claim at its required level, for every coefficient c(1 + e), |e| ≤ v."""
         given = self.controller["Q" if self.controller["type"] == "dob" else "C"]
         extra = {(part, k): (-v, v) for part in ("denominator", "numerator") for k, c in enumerate(given[part]) if c}
-        for name, form in required_kinds(self.spec):
-            _, interval, level = asked(self.spec, self.omega_b, (name, form))
-            if name == "tolerance":
+        for (name, form), (required, interval, level) in self.asked.items():
+            if not required or name == "tolerance":
                 continue
             if name.startswith("stability"):
                 text = self._box(name, Fraction(form == "box"), extra)
@@ -211,8 +211,8 @@ class Prover:
             below = Poly.of(*given["denominator"]) - Poly.of(*given["numerator"])
             rest = {"numerator": given["numerator"], "denominator": [Fraction(a, below.d) for a in below.c]}
             controller = {**controller, "Q": given, "C": rest}
-        other = Prover({"spec": self.spec, "bandwidth": {"proven": self.omega_b}}, self.deadline, controller)
-        (_, interval, level), ω = asked(self.spec, self.omega_b, kind), witness["omega"]
+        other = Prover(self.certificate, self.deadline, controller)
+        (_, interval, level), ω = self.asked[kind], witness["omega"]
         where = interval if ω is None else (ω, ω)
         return other.fault(kind, level or ZERO, where, interval == WHOLE, witness)
 
