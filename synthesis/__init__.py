@@ -8,9 +8,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from .check import check_file as check  # now: loaded later, the folder itself would take the name
-
 if TYPE_CHECKING:
+    from .check import check_file as check
     from .errors import ExitCode, InfeasibleError, InputError, MismatchError, RefutedError, RobimpError, UndecidedError
     from .pipeline import Result, synthesize
     from .simulation import verify as simulate
@@ -20,6 +19,8 @@ if TYPE_CHECKING:
     from .spec.model import Spec
     from .sweep.result import Map
     from .sweep.run import map_plane
+else:
+    from . import check  # a package that can be called
 
 __all__ = [
     "ExitCode",

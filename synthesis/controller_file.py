@@ -49,7 +49,7 @@ def read_controller(data: bytes, file: str) -> Controller:
 
 
 def stale(certified: dict[str, Any], asked: Controller) -> list[str]:
-    """Every difference of the controller in use from a checked certificate's; none when it is that one."""
+    """Every difference of the controller in use from a checked certificate's; C = Q/(1 − Q) only follows another Q."""
     known = {name: _part(certified[name], name) for name in ("Q", "C") if name in certified}
     found = []
     if asked.type is not None and asked.type != certified["type"]:
@@ -59,9 +59,9 @@ def stale(certified: dict[str, Any], asked: Controller) -> list[str]:
             against = [_part_differences(f"controller.{n}", known[n], part) for n in known]
             nearest = min(against, key=len)
             found += nearest
-        elif name in known:
+        elif name in known and not (name == "C" and any("controller.Q" in line for line in found)):
             found += _part_differences(f"controller.{name}", known[name], part)
-        else:
+        elif name not in known:
             found.append(f"controller.{name}: only in the controller file")
     return found
 

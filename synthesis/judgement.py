@@ -11,7 +11,7 @@ from typing import Any
 from .check import Verdict, check_bytes
 from .controller_file import Controller, stale
 from .errors import ExitCode
-from .report.difference import differences
+from .report.difference import differences, without_consequences
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,8 @@ def judge(
     if asked and verdict.exit_code != ExitCode.INPUT:
         content = json.loads(data)
         if spec is not None:
-            comparisons.append(_compared("specification", differences(content["spec"], spec, "specification")))
+            plain = without_consequences(content["spec"], spec)
+            comparisons.append(_compared("specification", differences(content["spec"], plain, "specification")))
         if controller is not None:
             comparisons.append(_compared("controller", stale(content["controller"], controller)))
     return Judgement(file, verdict, tuple(comparisons), time.perf_counter() - began)

@@ -94,6 +94,27 @@ def test_every_difference_from_the_specification_is_named(paper: Path, tmp_path:
     assert all(difference in line for difference in found)
 
 
+def test_what_only_follows_from_a_difference_is_not_listed_too(paper: Path, tmp_path: Path) -> None:
+    """± 20 % of the nominal inertia, and a nominal apparent inertia, change with it; another share does not."""
+    spec = edited(tmp_path, ("inertia: 0.03 ", "inertia: 0.031 "))
+    found = json.loads(robimp("check", paper, "--spec", spec, "--json").out)["differences"]["specification"]
+    assert found == ["plant.inertia 0.03 → 0.031"]
+    spec = edited(tmp_path, ("inertia: 0.03 ", "inertia: 0.031 "), ("inertia: ±20 %", "inertia: ±21 %"))
+    found = json.loads(robimp("check", paper, "--spec", spec, "--json").out)["differences"]["specification"]
+    assert found[0] == "plant.inertia 0.03 → 0.031" and "uncertainty.box.inertia[0]" in found[1] and len(found) == 3
+
+
+def test_another_c_that_only_follows_from_another_q_is_not_listed_too(paper: Path, tmp_path: Path) -> None:
+    Q, C = json.loads(paper.read_bytes())["controller"]["Q"], {"numerator": [2001], "denominator": ["1", "70.75", 499]}
+    other = write(tmp_path / "other.json", {"Q": {**Q, "numerator": [2001]}, "C": C})
+    found = json.loads(robimp("check", paper, "--controller", other, "--json").out)["differences"]["controller"]
+    assert found == ["controller.Q.numerator[0] 2000 → 2001"]
+    alone = write(tmp_path / "alone.json", {"Q": Q, "C": C})
+    assert (
+        len(json.loads(robimp("check", paper, "--controller", alone, "--json").out)["differences"]["controller"]) == 2
+    )
+
+
 def test_what_only_the_specification_has_is_said(paper: Path, tmp_path: Path) -> None:
     bare = edited(tmp_path, ("peak: 2.0", "friction: report"))
     assert robimp("synth", bare, "-o", tmp_path / "bare").code == ExitCode.PROVEN

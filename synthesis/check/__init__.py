@@ -1,6 +1,20 @@
 """Independent checker of certificates: standard library only, shares no formula with the producer. See README.md."""
 
+import sys
+from pathlib import Path
+from types import ModuleType
+
 from .reader import canonical_json
 from .verdict import Verdict, check_bytes, check_file
 
 __all__ = ["Verdict", "canonical_json", "check_bytes", "check_file"]
+
+
+class _Check(ModuleType):
+    """The package is its own main function: `check(path)` is `check_file(path)`, and its submodules stay importable."""
+
+    def __call__(self, path: str | Path, *, time_limit: float = 60.0) -> Verdict:
+        return check_file(path, time_limit=time_limit)
+
+
+sys.modules[__name__].__class__ = _Check

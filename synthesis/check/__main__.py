@@ -4,9 +4,11 @@ import argparse
 import importlib.util
 import json
 import math
+import os
 import sys
 from dataclasses import asdict
 from pathlib import Path
+from typing import TextIO
 
 if not __package__:  # run as a folder: give the relative imports a package to start from
     _spec = importlib.util.spec_from_file_location("robimp_check", Path(__file__).resolve().with_name("__init__.py"))
@@ -15,11 +17,12 @@ if not __package__:  # run as a folder: give the relative imports a package to s
     _spec.loader.exec_module(_module)
     __package__ = "robimp_check"
 
-from . import check_file
+from .outcome import UNREADABLE
+from .verdict import check_file
 
 
 def main(argv: list[str]) -> int:
-    """Check every file; returns 0 only if all are proven, otherwise the first file's code that is not."""
+    """Check every file; returns 0 only if all are proven and that was said, otherwise the first other code."""
     parser = argparse.ArgumentParser(prog="check", description="Re-prove every claim of a certificate.")
     parser.add_argument("files", nargs="+", metavar="CERT")
     parser.add_argument("--time-limit", type=float, default=60.0, help="seconds for each certificate (default 60)")
@@ -33,14 +36,28 @@ def main(argv: list[str]) -> int:
     codes = []
     for file in arguments.files:
         verdict = check_file(file, time_limit=arguments.time_limit)
-        codes.append(verdict.exit_code)
         if arguments.json:
-            print(json.dumps({"file": file, **asdict(verdict)}))  # noqa: T201
+            said = _say(json.dumps({"file": file, **asdict(verdict)}), sys.stdout)
         elif verdict.exit_code == 0:
-            print(f"PROVEN  {file}  {verdict.message}")  # noqa: T201
+            said = _say(f"PROVEN  {file}  {verdict.message}", sys.stdout)
         else:
-            print(f"{file}: {verdict.message}", file=sys.stderr)  # noqa: T201
+            said = _say(f"{file}: {verdict.message}", sys.stderr)
+        if not said and verdict.exit_code == 0:
+            _say(f"{file}: standard output cannot be written", sys.stderr)
+        codes.append(verdict.exit_code if said else verdict.exit_code or UNREADABLE)
     return next(filter(None, codes), 0)
+
+
+def _say(text: str, stream: TextIO | None) -> bool:
+    """Print one line at once; whether it got out. What a full stream still holds goes nowhere: no second failure."""
+    if stream is None:  # closed
+        return False
+    try:
+        print(text, file=stream, flush=True)
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        return False
+    return True
 
 
 if __name__ == "__main__":

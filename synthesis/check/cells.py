@@ -8,16 +8,17 @@ from fractions import Fraction
 from functools import lru_cache, reduce
 from itertools import pairwise
 from math import factorial, inf
-from operator import add, mul
+from operator import add
 from typing import Any
 
 from .forms import BITS, Axis, Form
-from .polynomials import ONE, Family, Poly, X
+from .polynomials import ONE, Poly, X
 
 Ranges = dict[tuple[str, Any], tuple[Fraction, Fraction]]  # parameters that vary
 Point = dict[tuple[str, Any], Any]  # parameters at values: rational, or symbols of a cell
 Taylor = tuple[int, int, int, int]  # 2^-BITS (c0 + c1 t + c2 t² ± r)
 ZERO = Fraction(0)
+TERMS = 30  # of the exponential's series
 
 
 class Cell:
@@ -52,31 +53,32 @@ class Cell:
         values[k] = _fixed(value, -e) if value else 0
         return Form(self, 0, e, _fixed(c, -e), values, 0, _fixed(r, -e) + 3 if top else 0)
 
-    def symbol(self, key: tuple[str, Any]) -> Axis:
-        """A parameter, anywhere in its range."""
-        if key not in self.cache:
-            lo, hi = self.ranges[key]
-            self.cache[key] = Axis(self.form((lo + hi) / 2, [*self.ranges].index(key) + 1, (hi - lo) / 2), self.form())
-        return self.cache[key]  # type: ignore[no-any-return]
+    def symbol(self, k: int) -> Form:
+        """The parameter k, anywhere in [−1, 1]."""
+        return self.form(0, k, 1)
 
     def power(self, k: int) -> Form:
         """ζ^k."""
-        return self._sum([(k, 1, -k * self.b)], 0)
+        if k not in self.cache:
+            self.cache[k] = self._sum([(k, 1, -k * self.b)], 0)
+        return self.cache[k]  # type: ignore[no-any-return]
 
     def axis(self, value: Any) -> Axis:
-        """A polynomial in s on this cell, or a family of them; what is on it already stays."""
+        """A polynomial in s on this cell; what is on it already stays."""
         if isinstance(value, Axis):
             return value
         if value not in self.cache:
-            if isinstance(value, Family):
-                products = (reduce(mul, map(self.symbol, keys), self.axis(p)) for keys, p in value.terms)
-                self.cache[value] = reduce(add, products, self.axis(Poly(())))
-            else:
-                terms: tuple[list[tuple[int, int, int]], ...] = ([], [])
-                for k, a, e in _mantissas(value):
-                    terms[k % 2].append((-((k + 1) // 2) if self.far else k // 2, a, e))
-                self.cache[value] = Axis(*map(self._sum, terms))
+            terms: tuple[list[tuple[int, int, int]], ...] = ([], [])
+            for k, a, e in _mantissas(value):
+                terms[k % 2].append((-((k + 1) // 2) if self.far else k // 2, a, e))
+            self.cache[value] = Axis(*map(self._sum, terms))
         return self.cache[value]  # type: ignore[no-any-return]
+
+    def spread(self, first: Poly, *others: Poly) -> Axis:
+        """The first where symbols are 0, the others where one of them is 1, and linear in each."""
+        changes = ((k, other - first) for k, other in enumerate(others, 1))
+        found: Axis = reduce(add, (self.axis(change).along(k) for k, change in changes if change), self.axis(first))
+        return found
 
     def real(self, value: Any) -> Form:
         """A polynomial in x on this cell; what is on it already stays."""
@@ -120,37 +122,37 @@ class Cell:
         return self.real(X).at(0).root()
 
     def hold(self, rate: Fraction, delay: Fraction) -> Axis:
-        """`e^{-sd}(1 − e^{-sT})/(sT)` = sin(ωT/2)/(ωT/2) e^{-sa}, a = d + T/2; when far, only |…| ≤ 2/(ωT) is used."""
+        """`e^{-sd} φ(sT)`, `φ(z) = (1 − e^{-z})/z`: Taylor at z/2^k, then `φ(2z) = φ(z)(1 + e^{-z})/2`, and squares.
+
+        Where a cell is too wide for that, and when far, what is used is |…| ≤ 1 and ≤ 2/(ωT)."""
         if self.far:  # w/(sT), |w| ≤ 2: p = Im(w)/(ωT), q = Re(w)/T
             return Axis(self.form(r=self.hi).root() * self.form(r=2 * rate), self.form(r=2 * rate))
-        (cos, sin), (_, half) = self._trig(delay + 1 / rate / 2), self._trig(1 / rate / 2)
-        return Axis(half * cos, -(half * sin)) * Poly.of(2 * rate)
+        k = 0
+        while max(1 / rate, delay) ** 2 * self.hi > 4 ** (k + 1):
+            k += 1
+        wait, lag, mean = (self._exponential(a / 2**k, n) for a, n in ((delay, 0), (1 / rate, 0), (1 / rate, 1)))
+        for _ in range(k):
+            wait, lag, mean = wait * wait, lag * lag, mean * (lag + ONE) * Poly.of(Fraction(1, 2))
+        found = wait * mean
+        if self.lo and found.p.size() > 1:  # it cannot be that large
+            over = self.form(r=1 / self.lo).root()
+            p = self.form(r=2 * rate) * over if self.lo > 4 * rate**2 else self.form(r=1)
+            return Axis(p, p * over)
+        return found
 
-    def _trig(self, a: Fraction) -> tuple[Form, Form]:
-        """cos(aω) and sin(aω)/ω."""
-        square = a * a * self.hi
-        if self.ends or square < 16:  # at any θ the series' error is below its first omitted term
-            tail = square**12 / factorial(24)
-            cos, sin = map(self.real, _series(a))
-            return cos + self.form(r=tail), sin + self.form(r=a * tail)
-        θ, over = self.omega() * Poly.of(a), self.omega().inverse()
-        D, none = θ.w + θ.r, [0] * len(θ.l)
-        if θ.size() > 200 or D.bit_length() + θ.e > 1:
-            return self.form(r=1), self.form(r=1) * over
-        cos, sin = (Form(self, 0, -BITS, v, none, 0, 2) for v in unit(θ.c, θ.e))
-        δ, rest = Form(self, 0, θ.e, 0, θ.l, θ.q, θ.r), Form(self, 0, 3 * θ.e, 0, none, 0, D**3 // 3 + 1)
-        bent = ONE - δ * δ * Poly.of(Fraction(1, 2))  # and sin δ = δ, |δ| < 2: errors |δ|⁴/24, |δ|³/6
-        return cos * bent - sin * δ + rest, (sin * bent + cos * δ + rest) * over
+    def _exponential(self, a: Fraction, n: int) -> Axis:
+        """`e^{-sa}`, or (n = 1) `(1 − e^{-sa})/(sa)`: Re and Im alternate, errors are below what is omitted."""
+        rest = (a * a * self.hi) ** (TERMS // 2) / factorial(TERMS)
+        return self.axis(_series(a, n)) + Axis(self.form(r=rest), self.form(r=a * rest))
 
 
 def _fixed(value: Fraction | int, bits: int = BITS) -> int:
     return (value.numerator << max(bits, 0)) // (value.denominator << max(-bits, 0))
 
 
-@lru_cache(maxsize=16)
-def _series(a: Fraction) -> list[Poly]:
-    rows = ([a**n * (-a * a) ** k / factorial(2 * k + n) for k in range(12)] for n in (0, 1))
-    return [Poly.of(*row) for row in rows]
+@lru_cache(maxsize=64)
+def _series(a: Fraction, n: int) -> Poly:
+    return Poly.of(*((-a) ** k / factorial(k + n) for k in range(TERMS)))
 
 
 @lru_cache(maxsize=4096)
@@ -158,22 +160,6 @@ def _mantissas(p: Poly) -> list[tuple[int, int, int]]:
     """Nonzero coefficients as `(k, a, e)`: a 2^e to within 2^e, a of BITS + 8 bits."""
     sized = [(k, a, a.bit_length() - p.d.bit_length() - BITS - 8) for k, a in enumerate(p.c) if a]
     return [(k, (a << max(-e, 0)) // (p.d << max(e, 0)), e) for k, a, e in sized]
-
-
-def unit(c: int, e: int) -> tuple[int, int]:
-    """cos and sin of c 2^e > 0 to within 2^-BITS: a series at the angle over 2^k, then k squarings."""
-    k = max(c.bit_length() + e + 4, 0)
-    w = BITS + 64 + 2 * k
-    angle = c << e + w - k if e + w > k else c >> k - e - w
-    parts, term, n = [0, 0], 1 << w, 0
-    while term:
-        parts[n % 2] += -term if n % 4 > 1 else term
-        n += 1
-        term = (term * angle >> w) // n
-    x, y = parts
-    for _ in range(k):
-        x, y = (x * x - y * y) >> w, x * y >> w - 1
-    return x >> w - BITS, y >> w - BITS
 
 
 def roots(interval: tuple[Fraction, Any], breaks: Iterable[Fraction], ranges: Ranges) -> list[Cell]:

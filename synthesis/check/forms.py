@@ -60,12 +60,19 @@ class Form(Ring):
             return self
         if m > self.m and self.cell.ends and self:
             raise UnresolvedError
-        same = self * self.cell.power(self.m - m) if self else self
-        return Form(self.cell, m, same.e, same.c, same.l, same.q, same.r)
+        same = self * self.cell.power(self.m - m) if self else self.cell.form()
+        same.m = m
+        return same
 
     def up(self) -> Form:
         """Times τ² = −χ = 2^b ζ."""
         return Form(self.cell, self.m + 1, self.e + self.cell.b, self.c, self.l, self.q, self.r)
+
+    def along(self, k: int) -> Form:
+        """Times the symbol t_k."""
+        values = [0] * len(self.l)
+        values[k] = self.c
+        return Form(self.cell, self.m, self.e, 0, values, 0, self.w + self.r)
 
     def __add__(self, other: Any) -> Form:
         a, b = self, other if isinstance(other, Form) else self.cell.real(other)
@@ -161,6 +168,10 @@ class Axis(Ring):
         if not other.q:
             return Axis(self.p * other.p, self.q * other.p)
         return Axis(self.p * other.p + (self.q * other.q).up(), self.p * other.q + self.q * other.p)
+
+    def along(self, k: int) -> Axis:
+        """Times the symbol t_k."""
+        return Axis(self.p.along(k), self.q.along(k))
 
     def conj(self) -> Axis:
         """Complex conjugate: τ is imaginary."""

@@ -1,12 +1,16 @@
 """The joint a certificate speaks about: the quantities that every statement is made of, as polynomials or on a cell."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from fractions import Fraction
+from operator import add
 from typing import Any
 
 from .cells import Cell, Point, Ranges
 from .forms import Axis
 from .outcome import MISMATCH, demand
-from .polynomials import ONE, ZERO, Poly, centred, decays_faster, norm2
+from .polynomials import ONE, ZERO, Poly, decays_faster, norm2
 from .reader import FORMS
 
 Section = dict[str, Any]  # of the certificate
@@ -21,6 +25,7 @@ class Joint:
     makes the feedback C F_θ. The hold multiplies `rest` and `driven`; parameters are affine in all of them."""
 
     def __init__(self, spec: Section, controller: Section, point: Point) -> None:
+        self.others: list[Joint] = []  # where one symbol is 1
         self.spec, self.nominal = spec, stiffness(spec["plant"].values())
         self.load, self.desired = _stiffness_at(spec, point, "plant"), _stiffness_at(spec, point, "impedance")
         self.n_H, self.n_Z, self.d = _actuator(spec, point)
@@ -60,28 +65,23 @@ class Joint:
         free = self.E * (self.load if g is None else g) + self.carried, self.driven
         return (self.E, self.rest) if name == "stability-locked" else free
 
+    def on(self, cell: Cell, *pairs: tuple[Poly, Poly]) -> Axis:
+        """The sum of two polynomials on a cell, the second behind the hold: the first pair where symbols are 0, each of
+        the others where one of them is 1, and linear in every one."""
+        undelayed, delayed = zip(*pairs, strict=True)
+        if not self.spec["sampling"]:
+            return cell.spread(*map(add, undelayed, delayed))
+        return cell.spread(*undelayed) + cell.spread(*delayed) * cell.axis(self.hold(cell))
+
     def value(self, cell: Cell, name: str, g: Value | None = None) -> Axis:
         """The characteristic function on a cell."""
-        undelayed, delayed = self.loop(name, g)
-        return cell.axis(undelayed + delayed) if not self.spec["sampling"] else undelayed + self.hold(cell) * delayed
+        return self.on(cell, *(j.loop(name, g) for j in (self, *self.others)))
 
-    def zonotope(self, cell: Cell, name: str, ranges: Ranges) -> list[Axis]:
-        """The characteristic function where parameters are symbols: `f[0] + Σ u_k f[k]`, |u_k| ≤ 1, at every ω."""
-        undelayed, delayed = self.loop(name)
-        pairs = (
-            [(undelayed, ONE), (delayed, self.hold(cell))] if self.spec["sampling"] else [(undelayed + delayed, ONE)]
-        )
-        found: dict[Any, Axis] = {(): cell.axis(ZERO)}
-        for value, by in pairs:
-            for keys, p in centred(value, tuple(ranges.items())):
-                found[keys] = found.get(keys, cell.axis(ZERO)) + cell.axis(p) * by
-        return list(found.values())
-
-    def hold(self, cell: Cell) -> Value:
+    def hold(self, cell: Cell) -> Axis | Poly:
         """The hold on a cell; 1 without sampling."""
         if self.spec["sampling"] and "hold" not in cell.cache:
             cell.cache["hold"] = cell.hold(*self.spec["sampling"].values())
-        return cell.cache.get("hold", ONE)
+        return cell.cache.get("hold", ONE)  # type: ignore[no-any-return]
 
     def disc_on(self, cell: Cell) -> tuple[Real, Real]:
         """The disc together with the table: 1 + V = (1 + W_w)(1 + W_t)."""
@@ -99,18 +99,19 @@ class View(Joint):
         self.__dict__.update(j.__dict__)
         if "by" not in cell.cache:
             cell.cache["by"] = nominal.value(cell, "stability-locked").inverse()
-            cell.cache["held"] = j.hold(cell) * cell.cache["by"]
 
-        def over(value: Value, by: str = "by") -> Value:
-            if value and (by, value) not in cell.cache:  # not once more for every impedance
-                cell.cache[by, value] = value * cell.cache[by]
-            return cell.cache[by, value] if value else ZERO
+        def over(part: Callable[[Joint], tuple[Poly, Poly]]) -> Value:
+            pairs = tuple(map(part, (j, *j.others)))
+            if pairs not in cell.cache:  # not once more for every impedance
+                cell.cache[pairs] = j.on(cell, *pairs) * cell.cache["by"] if any(map(any, pairs)) else ZERO
+            return cell.cache[pairs]
 
         self.cell, self.disc = cell, j.disc_on(cell)
-        self.D_i, self.E_i, self.U_n, self.command = over(j.D_i), over(j.E_i), over(j.U_n), over(j.command)
-        self.rest, self.driven = over(j.rest, "held"), over(j.driven, "held")
-        self.locked = ONE + over(j.E - nominal.E) + over(j.rest - nominal.rest, "held")
-        self.M, self.E = over(j.carried) + self.driven, self.locked - self.rest
+        self.D_i, self.E_i = over(lambda o: (o.D_i, ZERO)), over(lambda o: (o.E_i, ZERO))
+        self.U_n, self.command = over(lambda o: (o.U_n, ZERO)), over(lambda o: (o.command, ZERO))
+        self.rest, self.driven = over(lambda o: (ZERO, o.rest)), over(lambda o: (ZERO, o.driven))
+        self.locked = ONE + over(lambda o: (o.E - nominal.E, o.rest - nominal.rest))
+        self.M, self.E = over(lambda o: (o.carried, ZERO)) + self.driven, self.locked - self.rest
 
 
 def ranges(spec: Section, sections: Any, v: Fraction = Fraction(1)) -> Ranges:
@@ -142,12 +143,11 @@ def rational(section: Section) -> tuple[Poly, Poly]:
     return Poly.of(*section["numerator"]), Poly.of(*section["denominator"])
 
 
-def _value(spec: Section, point: Point, section: str, key: str) -> Value:
-    value = point[section, key] if (section, key) in point else nominal(spec, section, key)
-    return Poly.of(value) if isinstance(value, Fraction) else value
+def _value(spec: Section, point: Point, section: str, key: str) -> Poly:
+    return Poly.of(point[section, key] if (section, key) in point else nominal(spec, section, key))
 
 
-def _stiffness_at(spec: Section, point: Point, section: str) -> Value:
+def _stiffness_at(spec: Section, point: Point, section: str) -> Poly:
     powers = ("inertia", S * S), ("damping", S), ("stiffness", ONE)
     return sum((_value(spec, point, section, key) * power for key, power in powers), ZERO)
 
@@ -181,7 +181,7 @@ def _compensator(given: Section, point: Point) -> tuple[Value, Value]:
     name = "Q" if "Q" in given and perturbed else "C"
     terms = dict(zip(("numerator", "denominator"), rational(given[name]), strict=True))
     for part, k in perturbed:
-        terms[part] = terms[part] + point[part, k] * Poly.of(*[0] * k, given[name][part][k])
+        terms[part] += Poly.of(*[0] * k, point[part, k] * given[name][part][k])
     n, d = terms.values()
     return (n, d - n) if name == "Q" else (n, d)
 

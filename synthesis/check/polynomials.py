@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache, reduce
+from functools import lru_cache
 from itertools import zip_longest
 from math import gcd, lcm
-from operator import mul
 from typing import Any
 
 from .outcome import UNDECIDED, demand, tick
@@ -100,48 +99,6 @@ def _trimmed(c: list[int]) -> list[int]:
 
 
 ZERO, ONE, X = Poly(()), Poly((1,)), Poly((0, 1))
-
-
-@dataclass(frozen=True)
-class Family(Ring):
-    """A polynomial in s that is affine in every one of some parameters: products of these, and what they multiply."""
-
-    terms: tuple[tuple[tuple[Any, ...], Poly], ...]
-
-    @staticmethod
-    def _of(terms: Iterable[tuple[tuple[Any, ...], Poly]]) -> Family:
-        found: dict[tuple[Any, ...], Poly] = {}
-        for keys, p in terms:
-            found[keys] = found[keys] + p if keys in found else p
-        return Family(tuple((keys, p) for keys, p in sorted(found.items()) if p))
-
-    def __bool__(self) -> bool:
-        return bool(self.terms)
-
-    def __add__(self, other: Any) -> Any:
-        return Family._of([*self.terms, *_terms(other)]) if isinstance(other, Poly | Family) else NotImplemented
-
-    def __neg__(self) -> Family:
-        return Family(tuple((keys, -p) for keys, p in self.terms))
-
-    def __mul__(self, other: Any) -> Any:
-        if not isinstance(other, Poly | Family):
-            return NotImplemented
-        return Family._of((tuple(sorted(a + b)), p * q) for a, p in self.terms for b, q in _terms(other))
-
-
-def _terms(value: Any) -> tuple[tuple[tuple[Any, ...], Poly], ...]:
-    return value.terms if isinstance(value, Family) else (((), value),)
-
-
-@lru_cache(maxsize=256)
-def centred(value: Poly | Family, ranges: tuple[tuple[Any, tuple[Fraction, Fraction]], ...]) -> Any:
-    """Its terms in u, |u| ≤ 1, for parameters that are `(lo + hi)/2 + u (hi − lo)/2`."""
-    parts = {key: [((), Poly.of((lo + hi) / 2)), ((key,), Poly.of((hi - lo) / 2))] for key, (lo, hi) in ranges}
-    found = Family(())
-    for keys, p in _terms(value):
-        found += reduce(mul, [Family._of(parts[key]) for key in keys], Family((((), p),)))
-    return found.terms
 
 
 def on_axis(p: Any, q: Any) -> tuple[Any, Any]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from decimal import Decimal
 from fractions import Fraction
 from functools import reduce
+from itertools import combinations
 from math import inf
 from operator import add, mul
 from typing import Any
@@ -14,9 +15,9 @@ from .cells import ZERO, Cell, Point, Ranges, roots
 from .forms import UnresolvedError
 from .joint import EDGE, Joint, View, ranges, stiffness
 from .outcome import FALSE, UNDECIDED, CheckError, demand
-from .polynomials import ONE, Family, Poly, decays_faster
+from .polynomials import ONE, Poly, decays_faster
 from .positivity import counterexample, square
-from .requirements import ALL, SIGNED, WHOLE, Kind, asked, required_kinds
+from .requirements import ALL, SIGNED, WHOLE, Kind, requirements
 from .search import cover
 from .statements import STATEMENTS, port_ends
 
@@ -27,19 +28,22 @@ class Prover:
     """One certificate: its specification and a controller, the certificate's or a witness of its sensitivity."""
 
     def __init__(self, certificate: dict[str, Any], deadline: float, controller: dict[str, Any] | None = None) -> None:
-        self.spec, self.deadline, self.omega_b = certificate["spec"], deadline, certificate["bandwidth"]["proven"]
+        self.certificate, self.spec, self.deadline = certificate, certificate["spec"], deadline
+        self.asked = requirements(self.spec, certificate["bandwidth"]["proven"])
         self.controller = controller or certificate["controller"]
         self.sampled, self.table = bool(self.spec["sampling"]), self.spec["uncertainty"]["table"] or {"points": []}
         self.joints, self.views, self.cells = dict[Any, Joint](), dict[Any, View](), dict[Any, Cell]()
         self.nominal = self.joint({})
 
-    def joint(self, point: Point, symbols: Iterable[Any] = ()) -> Joint:
-        """The joint where parameters have these values, or are symbols."""
-        key = *point.items(), *symbols
+    def joint(self, point: Point, symbols: Ranges | None = None) -> Joint:
+        """The joint where parameters have these values, and symbols are in the middle of their ranges."""
+        symbols = symbols or {}
+        key = *point.items(), *symbols.items()
         if key not in self.joints:
             self.joints = self.joints if len(self.joints) < VIEWS else {}
-            free = {name: Family((((name,), ONE),)) for name in symbols}
-            self.joints[key] = Joint(self.spec, self.controller, {**point, **free})
+            middle = point | {name: (lo + hi) / 2 for name, (lo, hi) in symbols.items()}
+            self.joints[key] = Joint(self.spec, self.controller, middle)
+            self.joints[key].others = [self.joint(middle | {name: hi}) for name, (_, hi) in symbols.items()]
         return self.joints[key]
 
     def view(self, cell: Cell, point: Point) -> View:
@@ -158,8 +162,12 @@ class Prover:
         motor = {key: part for key, part in family.items() if key[0] == "actuator"}
         linear = {key: part for key, part in family.items() if key not in motor} | symbols
 
+        zonotopes: dict[Any, list[tuple[Poly, Poly]]] = {}
+
         def on(cell: Cell, there: Point) -> list[Any]:
-            found = self.joint(there, linear).zonotope(cell, name, linear)
+            if (corner := tuple(there.items())) not in zonotopes:
+                zonotopes[corner] = [*self.generators(name, there, linear).values()]
+            found = [self.nominal.on(cell, pair) for pair in zonotopes[corner]]
             if cell.ends:  # where it is finite, and real, over the nominal's
                 if "by" not in cell.cache:
                     cell.cache["by"] = self.nominal.value(cell, name).inverse()
@@ -168,13 +176,24 @@ class Prover:
 
         return cover(roots(WHOLE, [], {}), on, self.deadline, motor, 1)
 
+    def generators(self, name: str, there: Point, ranges: Ranges) -> dict[Any, tuple[Poly, Poly]]:
+        """The characteristic function at the middle of ranges, and what one parameter, or two at once, change by half
+        of theirs: no three of loads, impedances and coefficients are multiplied."""
+        found: dict[Any, tuple[Poly, Poly]] = {}
+        for up in [(), *combinations(ranges, 1), *combinations(ranges, 2)]:
+            at = {key: hi if key in up else (lo + hi) / 2 for key, (lo, hi) in ranges.items()}
+            value = self.joint(there | at).loop(name)
+            for part in (part for part in [(), *combinations(up, 1)] if part != up):
+                value = value[0] - found[part][0], value[1] - found[part][1]
+            found[up] = value
+        return {up: pair for up, pair in found.items() if not up or any(pair)}
+
     def _tolerance(self, v: Fraction) -> str:
         """Every required claim at its required level, for every coefficient c(1 + e), |e| ≤ v."""
         given = self.controller["Q" if self.controller["type"] == "dob" else "C"]
         extra = {(part, k): (-v, v) for part in ("denominator", "numerator") for k, c in enumerate(given[part]) if c}
-        for name, form in required_kinds(self.spec):
-            _, interval, level = asked(self.spec, self.omega_b, (name, form))
-            if name == "tolerance":
+        for (name, form), (required, interval, level) in self.asked.items():
+            if not required or name == "tolerance":
                 continue
             if name.startswith("stability"):
                 text = self._box(name, Fraction(form == "box"), extra)
@@ -192,8 +211,8 @@ class Prover:
             below = Poly.of(*given["denominator"]) - Poly.of(*given["numerator"])
             rest = {"numerator": given["numerator"], "denominator": [Fraction(a, below.d) for a in below.c]}
             controller = {**controller, "Q": given, "C": rest}
-        other = Prover({"spec": self.spec, "bandwidth": {"proven": self.omega_b}}, self.deadline, controller)
-        (_, interval, level), ω = asked(self.spec, self.omega_b, kind), witness["omega"]
+        other = Prover(self.certificate, self.deadline, controller)
+        (_, interval, level), ω = self.asked[kind], witness["omega"]
         where = interval if ω is None else (ω, ω)
         return other.fault(kind, level or ZERO, where, interval == WHOLE, witness)
 

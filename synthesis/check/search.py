@@ -84,9 +84,9 @@ def _look(cell: Cell, box: Ranges, parts: Any, degree: int, deadline: float) -> 
     return found
 
 
-def _hull(values: Sequence[Sequence[Axis]], n: int) -> tuple[int, list[int]]:
+def _hull(zonotopes: Sequence[Sequence[Axis]], n: int) -> tuple[int, list[int]]:
     """A function that is affine in every parameter stays in the convex hull of its values at the corners."""
-    everywhere, middle = excludes_zero(values)
+    everywhere, middle = excludes_zero(zonotopes)
     return (1, []) if everywhere else (0, [] if middle else list(range(n)))
 
 

@@ -33,6 +33,33 @@ def differences(certified: Any, asked: Any, where: str, key: str = "") -> Iterat
         yield f"{key} {readable(certified)} → {readable(asked)}"
 
 
+def without_consequences(certified: dict[str, Any], asked: dict[str, Any]) -> dict[str, Any]:
+    """The specification asked for, less what only follows from another nominal value: ± 20 % of it, an inertia like it.
+
+    A canonical document has intervals, not shares: one that is the same share of both nominal values has not changed.
+    """
+    found: dict[str, Any] = json.loads(json.dumps(asked))
+    for section, given in (("plant", "box"), ("actuator", "actuator")):
+        for key, nominal in certified[section].items():
+            other = asked[section].get(key)
+            if not (isinstance(nominal, str) and isinstance(other, str)) or nominal == other or key == "type":
+                continue
+            boxes = [(document["uncertainty"].get(given) or {}).get(key) for document in (certified, asked)]
+            scaled = [
+                [Fraction(end) * Fraction(n) for end in box]
+                for box, n in zip(boxes, (other, nominal), strict=True)
+                if box
+            ]
+            if len(scaled) == 2 and scaled[0] == scaled[1]:
+                found["uncertainty"][given][key] = boxes[0]
+            if (section, key) == ("plant", "inertia") and (certified["impedance"][key], asked["impedance"][key]) == (
+                nominal,
+                other,
+            ):
+                found["impedance"][key] = nominal
+    return found
+
+
 def readable(value: Any) -> str:
     """A value for a person: exact numbers as decimals where they end soon, long text with its middle left out."""
     text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)

@@ -13,10 +13,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robimp.synthesis.check.cells import Cell, roots, unit
+from robimp.synthesis.check.cells import Cell, roots
 from robimp.synthesis.check.forms import Axis, Form, UnresolvedError, excludes_zero
 from robimp.synthesis.check.outcome import CheckError
-from robimp.synthesis.check.polynomials import Family, Poly, centred
+from robimp.synthesis.check.polynomials import Poly
 from robimp.synthesis.check.positivity import Inequality
 from robimp.synthesis.check.search import compare, cover
 
@@ -67,7 +67,7 @@ def test_real_forms_contain_the_exact_values(
     if chi(cell, t) == 0:
         return
     p, q, k = Poly.of(*a), Poly.of(*b), Fraction(7, 2) + Fraction(3, 2) * t[1]
-    P, Q, K = cell.real(p), cell.real(q), cell.symbol(("impedance", "stiffness")).p
+    P, Q, K = cell.real(p), cell.real(q), cell.form(Fraction(7, 2), 1, Fraction(3, 2))
     u, w = true_real(cell, p, t), true_real(cell, q, t)
     for form, value in (
         (P, u), (Q, w), (K, k), (P + Q, u + w), (P - K, u - k), (P * Q, u * w), (P * K + Q * K, (u + w) * k),
@@ -90,7 +90,7 @@ def test_roots_and_signs_of_forms(
     if chi(cell, t) == 0:
         return
     p, k = Poly.of(*a), Fraction(7, 2) + Fraction(3, 2) * t[1]
-    form, value = cell.real(p) * cell.symbol(("impedance", "stiffness")).p, true_real(cell, p, t) * k
+    form, value = cell.real(p) * cell.form(Fraction(7, 2), 1, Fraction(3, 2)), true_real(cell, p, t) * k
     if form.sign() == 1:
         assert value > 0
     square = form * form
@@ -120,21 +120,6 @@ def test_complex_quantities_are_the_polynomials(
     except UnresolvedError:
         return
     assert contains(one.p, t, Fraction(1)) and contains(one.q, t, Fraction(0))
-
-
-@settings(max_examples=300, deadline=None)
-@given(st.integers(1, 10**30), st.integers(-130, -60))
-def test_sine_and_cosine_to_the_last_bit(c: int, e: int) -> None:
-    """Against 60 digits of the series at the angle itself."""
-    angle = Fraction(c) * Fraction(2) ** e
-    if angle > 60:
-        return
-    x, y, term = Fraction(0), Fraction(0), Fraction(1)
-    for n in range(260):
-        x, y = (x + (-1) ** (n // 2) * term, y) if n % 2 == 0 else (x, y + (-1) ** (n // 2) * term)
-        term = Fraction(int(term * angle / (n + 1) * 2**300), 2**300)
-    cos, sin = unit(c, e)
-    assert abs(Fraction(cos, 2**64) - x) < Fraction(2, 2**64) and abs(Fraction(sin, 2**64) - y) < Fraction(2, 2**64)
 
 
 @settings(max_examples=200, deadline=None)
@@ -203,21 +188,6 @@ def test_a_flat_box_a_hair_from_zero_is_excluded_at_once(gap: Fraction, turned: 
     assert excludes_zero([[cell.axis(E * g) for g in load]])[0] == (gap > 0)
     both = [[cell.axis(E * g) for g in load], [cell.axis(E * -g) for g in load]]  # 0 is between them
     assert excludes_zero(both) == (False, False)
-
-
-@given(
-    st.lists(st.fractions(-9, 9, max_denominator=50), min_size=4, max_size=4), st.fractions(-1, 1, max_denominator=9)
-)
-def test_a_family_about_its_middle_is_the_same_family(c: list[Fraction], u: Fraction) -> None:
-    """k·l·a + k·b + c at k in [1, 4], l in [−2, 3]: products of u_k and u_l are terms of their own."""
-    k, l = (Family((((name,), Poly.of(1)),)) for name in "kl")  # noqa: E741
-    a, b, rest = Poly.of(c[0], 1), Poly.of(c[1]), Poly.of(c[2], c[3])
-    ranges = ("k", (Fraction(1), Fraction(4))), ("l", (Fraction(-2), Fraction(3)))
-    values, w = {"k": Fraction(5, 2) + u * Fraction(3, 2), "l": Fraction(1, 2) + u * Fraction(5, 2)}, {"k": u, "l": u}
-    total = Poly.of(0)
-    for keys, p in centred(k * l * a + k * b + rest, ranges):
-        total += p * Poly.of(math.prod([w[key] for key in keys], start=Fraction(1)))
-    assert total == Poly.of(values["k"] * values["l"]) * a + Poly.of(values["k"]) * b + rest
 
 
 def test_a_cell_with_a_parameter_is_refuted_at_a_corner_and_halved_where_it_bends() -> None:

@@ -297,6 +297,30 @@ def test_one_way_to_say_success(tmp_path: Path, capsys: pytest.CaptureFixture[st
     assert capsys.readouterr().out == ""
 
 
+def test_the_package_is_its_own_main_function_and_its_modules_can_be_imported(tmp_path: Path) -> None:
+    import robimp.synthesis.check.reader as reader
+    from robimp.synthesis import check
+
+    file = tmp_path / "certificate.json"
+    file.write_bytes(data(REFERENCE))
+    assert check(file) == check_file(file) and check(file, time_limit=1e-9).exit_code == 5
+    assert reader.canonical_json is canonical_json and sys.modules["robimp.synthesis.check"] is check
+
+
+@pytest.mark.parametrize("arguments", [(), ("--json",)])
+def test_a_proof_that_cannot_be_said_is_not_0(tmp_path: Path, arguments: tuple[str, ...]) -> None:
+    folder = Path(__file__).parents[2] / "synthesis" / "check"
+    good, bad = tmp_path / "good.json", tmp_path / "bad.json"
+    good.write_bytes(data(REFERENCE))
+    bad.write_bytes(raised("eq9", 1.01)())
+    command = [sys.executable, "-I", "-S", folder, *arguments]
+    with Path("/dev/full").open("w") as full:
+        run = subprocess.run([*command, good], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        assert run.returncode == 2 and run.stderr == f"{good}: standard output cannot be written\n"
+        assert subprocess.run([*command, good], stdout=full, stderr=full, check=False).returncode == 2
+        assert subprocess.run([*command, bad], stdout=full, stderr=full, check=False).returncode == 4
+
+
 def test_it_runs_alone_with_the_standard_library_only(tmp_path: Path) -> None:
     folder = Path(__file__).parents[2] / "synthesis" / "check"
     file = tmp_path / "certificate.json"

@@ -163,6 +163,34 @@ def test_everything_of_a_joint_is_affine_in_every_parameter() -> None:
     assert isinstance(three[0], Joint)
 
 
+@pytest.mark.parametrize("name", ["stability-free", "stability-locked"])
+def test_the_characteristic_function_is_what_its_generators_add_up_to(name: str) -> None:
+    """At rational places u of every load, impedance and coefficient; with a third factor something would be missing."""
+    prover, rng = prover_of(SOURCES["box"]), random.Random(name)
+    place = {("actuator", "motor_inertia"): Fraction(1, 90), ("actuator", "spring_stiffness"): Fraction(5)}
+    sections = {"plant": ("inertia", "damping", "stiffness"), "impedance": ("damping", "stiffness")}
+    keys: list[tuple[str, object]] = [(section, key) for section, given in sections.items() for key in given]
+    keys += [("denominator", 0), ("denominator", 1), ("numerator", 0)]
+    ranges = {key: (Fraction(rng.randint(1, 9), 9), Fraction(rng.randint(10, 19), 9)) for key in keys}
+    u = {key: Fraction(rng.randint(-9, 9), 9) for key in keys}
+    there = {key: (lo + hi) / 2 + u[key] * (hi - lo) / 2 for key, (lo, hi) in ranges.items()}
+    found = prover.generators(name, place, ranges)
+    for k, part in enumerate(prover.joint(place | there).loop(name)):
+        total = sum((pair[k] * Poly.of(math.prod(map(u.get, up))) for up, pair in found.items()), Poly.of(0))  # type: ignore[arg-type]
+        assert total == part and part != found[()][k]
+
+
+def test_a_coefficient_is_multiplied_by_no_other() -> None:
+    """Every part of a joint is its value at t = 0 and what each t_k alone changes."""
+    prover = prover_of(SOURCES["box"])
+    keys = [("denominator", 0), ("denominator", 1), ("numerator", 0)]
+    j = prover.joint({}, {key: (Fraction(-1, 5), Fraction(1, 5)) for key in keys})
+    all_at_once = prover.joint(dict.fromkeys(keys, Fraction(1, 5)))
+    for name in ("E", "rest", "driven", "carried", "command", "E_i", "D_i", "U_n"):
+        first, end = getattr(j, name), getattr(all_at_once, name)
+        assert sum((getattr(other, name) - first for other in j.others), first) == end != first
+
+
 def test_a_box_down_to_almost_no_inertia_is_decided_by_halving_what_matters() -> None:
     """Near the widest box the exclusion rests on Im f: halving the motor's damping for ever would not find it."""
     changes: Json = {
