@@ -17,8 +17,9 @@ from robimp.models.controller import Compensator
 from robimp.models.rational import exact, to_float
 from robimp.synthesis.certificate.claim import Claim
 from robimp.synthesis.certificate.claims import certify, counterexamples
-from robimp.synthesis.certificate.enclosure.box import excluded, largest_spread
+from robimp.synthesis.certificate.enclosure.box import largest_spread
 from robimp.synthesis.certificate.enclosure.claims import prove_constraints
+from robimp.synthesis.certificate.enclosure.exclusion import excluded
 from robimp.synthesis.certificate.enclosure.joint import Family, JointOnCells, family_of
 from robimp.synthesis.certificate.enclosure.prover import CellProver
 from robimp.synthesis.certificate.enclosure.winding import turns

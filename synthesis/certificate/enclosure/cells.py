@@ -6,8 +6,10 @@ low     z = ω → 0, high  z = 1/ω → 0: powers of z are counted apart, so th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -83,6 +85,22 @@ class Cells:
         z = self.z.mean(axis=0)
         t = np.where(signs < 0, self.t[0], np.where(signs > 0, self.t[1], self.t.mean(axis=0)))
         return Cells(self.part, np.vstack([z, z]), np.stack([t, t]))
+
+    def corners(self, which: Sequence[int]) -> list[Cells]:
+        """The cells with some parameters, by index, at the ends of their part: the last changes fastest."""
+        found = []
+        for ends in product((0, 1), repeat=len(which)):
+            t = self.t.copy() if which else self.t
+            for index, end in zip(which, ends, strict=True):
+                t[:, index] = self.t[end, index]
+            found.append(Cells(self.part, self.z, t))
+        return found
+
+    @classmethod
+    def joined(cls, parts: Sequence[Cells]) -> Cells:
+        """Cells of one part of the axis, one after the other."""
+        z, t = (np.concatenate(arrays, axis=-1) for arrays in zip(*((one.z, one.t) for one in parts), strict=True))
+        return cls(parts[0].part, z, t)
 
     def moving(self, index: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> Form:
         """The form of a quantity that runs from low to high with tᵢ."""

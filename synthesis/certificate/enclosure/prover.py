@@ -26,7 +26,6 @@ from .search import Minimum, Point, minimum
 
 MIDDLE = 1000  # cells the axis starts with
 BEYOND = 30.0  # how far beyond the joint's own frequencies the ends of the axis begin
-WITHIN_REACH = 0.5  # share of the margin that is claimed where the checker's last per cents would take minutes
 NEAR = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1)
 
 
@@ -85,9 +84,6 @@ class CellProver:
             parameters=self.halved(),
         )
         role, required = constraint.role, constraint.level
-        if role is Role.FLOOR and self.family.setting.actuators and np.isfinite(found.low):
-            easy = float(required or 0)
-            found = replace(found, low=easy + WITHIN_REACH * (found.low - easy))
         proven, beyond = _level(found.low, role, up=False), _level(found.high, role, up=True)
         harder = constraint.role.harder
         twin = None
