@@ -80,6 +80,15 @@ class Cells:
         above[0, index, k] = middle
         return Cells(self.part, np.hstack([self.z, self.z]), np.concatenate([below, above], axis=2))
 
+    def at_end(self, index: int, low: NDArray[np.bool_]) -> Cells:
+        """The cells at one end of the frequencies (index −1) or of a parameter: the lower where `low`, (n,)."""
+        z, t = self.z, self.t.copy()
+        if index < 0:
+            z = np.where(low, z[0], z[1]) * np.ones((2, 1))
+        else:
+            t[:, index] = np.where(low, t[0, index], t[1, index])
+        return Cells(self.part, z, t)
+
     def points(self, signs: NDArray[np.float64]) -> Cells:
         """Degenerate cells: the middle in z, each parameter at the end of its range that `signs`, (m, n), names."""
         z = self.z.mean(axis=0)

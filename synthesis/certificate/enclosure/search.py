@@ -83,7 +83,7 @@ def minimum(
             low = min(low, float(bound[done].min(initial=np.inf)))
             if not done.all():
                 known = np.where(bound > -HUGE, slopes, 0.0)
-                open_cells.append(_halved(cells[~done], known[:, ~done], rounds, parameters))
+                open_cells.append(_halved(evaluate, cells[~done], bound[~done], known[:, ~done], rounds, parameters))
         if not open_cells:
             return Minimum(low, best.high, best.at)
         if sum(cells.size for cells in open_cells) > MOST_CELLS:
@@ -94,12 +94,7 @@ def minimum(
 
 def _bounds(evaluate: Evaluate, cells: Cells) -> tuple[NDArray[np.float64], Point | None, NDArray[np.float64]]:
     """Lower bound on every cell, the best point seen, and the slopes (1+m, n) of the form that is lowest there."""
-    lowest, slopes = np.full(cells.size, np.inf), np.zeros((1 + cells.t.shape[1], cells.size))
-    for form in evaluate(cells):
-        lower = _scaled(form, form.lower, cells)
-        smaller = lower < lowest
-        lowest = np.where(smaller, lower, lowest)
-        slopes = np.where(smaller, form.c[1:], slopes)
+    lowest, slopes = _lowest(evaluate, cells)
     tried = np.argsort(lowest)[:TRIED]
     points = cells[tried].points(-np.sign(slopes[1:, tried]))
     best: Point | None = None
@@ -112,6 +107,17 @@ def _bounds(evaluate: Evaluate, cells: Cells) -> tuple[NDArray[np.float64], Poin
     return lowest, best, slopes
 
 
+def _lowest(evaluate: Evaluate, cells: Cells) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lower bound of all forms on every cell, (n,), and the slopes (1+m, n) of the form that is lowest there."""
+    lowest, slopes = np.full(cells.size, np.inf), np.zeros((1 + cells.t.shape[1], cells.size))
+    for form in evaluate(cells):
+        lower = _scaled(form, form.lower, cells)
+        smaller = lower < lowest
+        lowest = np.where(smaller, lower, lowest)
+        slopes = np.where(smaller, form.c[1:], slopes)
+    return lowest, slopes
+
+
 def _scaled(form: Form, lower: NDArray[np.float64], cells: Cells) -> NDArray[np.float64]:
     """A lower bound of z^order·form from one of the form, over every z of the cell."""
     lower = np.nan_to_num(lower, nan=-np.inf)
@@ -122,16 +128,33 @@ def _scaled(form: Form, lower: NDArray[np.float64], cells: Cells) -> NDArray[np.
     return np.asarray(np.where(lower < 0, ends.min(axis=0), np.maximum(ends.min(axis=0), 0.0)))
 
 
-def _halved(cells: Cells, slopes: NDArray[np.float64], rounds: int, parameters: NDArray[np.bool_] | None) -> Cells:
-    """In turns along the frequency and a parameter: that of the largest first-order effect, or the widest."""
-    if parameters is None or not parameters.any() or rounds % 3 == 2:
+def _halved(
+    evaluate: Evaluate,
+    cells: Cells,
+    bound: NDArray[np.float64],
+    slopes: NDArray[np.float64],
+    rounds: int,
+    parameters: NDArray[np.bool_] | None,
+) -> Cells:
+    """Each halved along what raises the bound by most, where that is fixed at its worst end; or by turns."""
+    if parameters is None or not parameters.any():
         return cells.split_frequency()
-    weight = np.abs(slopes[1:]) * parameters[:, None]
-    unknown = (weight.max(axis=0) == 0) | (rounds % 6 == 4)
-    return cells.split_parameter(np.where(unknown, _widest(cells, parameters), np.argmax(weight, axis=0)))
+    gain = np.full((1 + parameters.size, cells.size), -np.inf)
+    for index in (-1, *np.flatnonzero(parameters).tolist()):
+        fixed, _ = _lowest(evaluate, cells.at_end(index, slopes[1 + index] > 0))
+        gain[1 + index] = np.maximum(fixed, -HUGE) - np.maximum(bound, -HUGE)
+    lost = ~(bound > -HUGE)
+    gain[0] = np.where(lost, -np.inf, gain[0])  # where nothing is known yet, a parameter is to blame, now and then ω
+    turn = np.zeros(cells.size, dtype=int) if rounds % 3 == 2 else 1 + widest(cells, parameters)
+    useful = (gain.max(axis=0) > 0) & np.where(lost, rounds % 3 != 2, rounds % 6 != 5)
+    chosen = np.where(useful, gain.argmax(axis=0), turn)
+    frequency = chosen == 0
+    halves = [cells[frequency].split_frequency()] if frequency.any() else []
+    halves += [cells[~frequency].split_parameter(chosen[~frequency] - 1)] if not frequency.all() else []
+    return Cells.joined(halves)
 
 
-def _widest(cells: Cells, parameters: NDArray[np.bool_]) -> NDArray[np.int_]:
+def widest(cells: Cells, parameters: NDArray[np.bool_]) -> NDArray[np.int_]:
     """The parameter of which most is left."""
     width = (cells.t[1] - cells.t[0]) * parameters[:, None]
     return np.asarray(np.argmax(width, axis=0))
