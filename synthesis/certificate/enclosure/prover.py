@@ -81,6 +81,7 @@ class CellProver:
         found = minimum(
             lambda cells: self.levels(constraint, cells),
             self.axis(constraint.band),
+            hopeless=_hopeless(constraint),
             scale=1e-4 if constraint.role is Role.FLOOR else 0.0,
             parameters=self.halved(),
         )
@@ -180,6 +181,16 @@ def witness_of(
         impedance=setting.loop.desired if "impedance" in parts else None,
         actuator=setting.elastic if "actuator" in parts else None,
     )
+
+
+def _hopeless(constraint: Constraint) -> float:
+    """What a minimum of `levels` must not be below, or nothing can be claimed."""
+    required, role = constraint.level, constraint.role
+    if required is None:
+        return 0.0 if constraint.id == "friction" else -np.inf
+    if role is Role.RADIUS:
+        return -1 / float(required) if required else -np.inf
+    return role.harder * float(required)
 
 
 def _level(value: float, role: Role, *, up: bool) -> Fraction | None:

@@ -57,13 +57,14 @@ def minimum(
     axis: Sequence[Cells],
     *,
     floor: float | None = None,
+    hopeless: float = -np.inf,
     scale: float = 0.0,
     gap: float = GAP,
     parameters: NDArray[np.bool_] | None = None,
 ) -> Minimum:
     """Least value of several forms over cells, to a relative `gap`; stops early once `floor` is proven or refuted.
 
-    scale: absolute size below which differences do not matter; parameters: which of them may be halved, (m,).
+    hopeless: a point below ends the search; scale: absolute size below which differences do not matter; parameters: which of them may be halved, (m,).
     """
     open_cells, low, best = list(axis), np.inf, Minimum(-np.inf, np.inf, None)
     for rounds in range(ROUNDS):
@@ -73,7 +74,7 @@ def minimum(
             if point is not None and point.value < best.high:
                 best = Minimum(-np.inf, point.value, point)
             waiting.append((cells, bound, slopes))
-        if floor is not None and best.high < floor:
+        if best.high < (hopeless if floor is None else floor):
             return best
         near = best.high - gap * (abs(best.high) + scale) if np.isfinite(best.high) else np.inf
         enough = np.nextafter(near if floor is None else floor, np.inf)
