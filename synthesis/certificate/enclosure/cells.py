@@ -71,10 +71,17 @@ class Cells:
         halves = Cells(self.part, z, np.concatenate([self.t, self.t], axis=2))
         return halves.split_frequency() if 0 < halves.size < FEW else halves
 
-    def split_parameter(self, index: NDArray[np.int_]) -> Cells:
-        """Every cell halved along its parameter `index`, (n,)."""
+    def split_parameter(self, index: NDArray[np.int_], offset: NDArray[np.float64] | None = None) -> Cells:
+        """Every cell halved along its parameter `index`, (n,); in ratio while its ends differ by a factor above 2.
+
+        offset: (m,) for parameters that are proportional to t + offset.
+        """
         k = np.arange(self.size)
-        middle = self.t[:, index, k].mean(axis=0)
+        low, high = self.t[:, index, k]
+        middle = (low + high) / 2
+        if offset is not None:
+            a, b = low + offset[index], high + offset[index]
+            middle = np.where((a > 0) & (b > 2 * a), np.sqrt(np.abs(a * b)) - offset[index], middle)
         below, above = self.t.copy(), self.t.copy()
         below[1, index, k] = middle
         above[0, index, k] = middle

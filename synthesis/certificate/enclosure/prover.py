@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,7 +23,7 @@ from ..witness import Witness, short
 from .cells import Cells, Part, axis
 from .form import Form
 from .joint import Family, JointOnCells
-from .search import Minimum, Point, minimum, widest
+from .search import Halving, Minimum, Point, minimum
 
 MIDDLE = 1000  # cells the axis starts with
 BEYOND = 30.0  # how far beyond the joint's own frequencies the ends of the axis begin
@@ -83,7 +84,7 @@ class CellProver:
             self.axis(constraint.band),
             hopeless=_hopeless(constraint),
             scale=1e-4 if constraint.role is Role.FLOOR else 0.0,
-            parameters=self.halved(),
+            halving=self.halving,
         )
         role, required = constraint.role, constraint.level
         proven, beyond = _level(found.low, role, up=False), _level(found.high, role, up=True)
@@ -111,7 +112,7 @@ class CellProver:
                 lambda cells, c=constraint, v=v: self.slacks(c, v, cells),  # type: ignore[misc]
                 self.axis(constraint.band),
                 floor=0.0,
-                parameters=self.halved(),
+                halving=self.halving,
             )
             if constraint.positive_real and not self.ends(constraint):
                 found = Minimum(-np.inf, found.high, found.at)
@@ -120,10 +121,13 @@ class CellProver:
                 return worst
         return worst
 
-    def halved(self) -> np.ndarray:
+    @cached_property
+    def halving(self) -> Halving:
         """Which parameters may be halved: not the controller's coefficients, whose effect is small and linear."""
-        names = self.family.parameters
-        return np.array([not name.startswith(("numerator", "denominator")) for name in names], dtype=bool)
+        ranges = self.family.parameters
+        which = [not name.startswith(("numerator", "denominator")) for name in ranges]
+        offset = [to_float((high + low) / (high - low)) for low, high in ranges.values()]
+        return Halving(np.array(which, dtype=bool), np.array(offset))
 
     def ends(self, constraint: Constraint) -> bool:
         """Whether `Z(0)` and `lim Z/s²` are > 0 (friction: Z over its nominal value) for every load and parameter."""
@@ -138,9 +142,9 @@ class CellProver:
             doubtful = np.any([~(form.lower > 0) for form in forms], axis=0)
             if not doubtful.any():
                 return True
-            if not self.halved().any() or waiting.size > MOST_END_CELLS:
+            if not self.halving.which.any() or waiting.size > MOST_END_CELLS:
                 return False
-            waiting = waiting[doubtful].split_parameter(widest(waiting[doubtful], self.halved()))
+            waiting = self.halving.apply(waiting[doubtful])
         return False
 
     def _ends(self, constraint: Constraint, at: Cells) -> Iterator[Form]:

@@ -52,6 +52,23 @@ class Minimum:
     at: Point | None
 
 
+@dataclass(frozen=True)
+class Halving:
+    """Which parameters may be halved, (m,), and the offset for which each is proportional to t + offset, (m,)."""
+
+    which: NDArray[np.bool_]
+    offset: NDArray[np.float64]
+
+    def widest(self, cells: Cells) -> NDArray[np.int_]:
+        """The parameter of which most is left."""
+        width = (cells.t[1] - cells.t[0]) * self.which[:, None]
+        return np.asarray(np.argmax(width, axis=0))
+
+    def apply(self, cells: Cells) -> Cells:
+        """Cells halved along that."""
+        return cells.split_parameter(self.widest(cells), self.offset)
+
+
 def minimum(
     evaluate: Evaluate,
     axis: Sequence[Cells],
@@ -60,11 +77,12 @@ def minimum(
     hopeless: float = -np.inf,
     scale: float = 0.0,
     gap: float = GAP,
-    parameters: NDArray[np.bool_] | None = None,
+    halving: Halving | None = None,
 ) -> Minimum:
     """Least value of several forms over cells, to a relative `gap`; stops early once `floor` is proven or refuted.
 
-    hopeless: a point below ends the search; scale: absolute size below which differences do not matter; parameters: which of them may be halved, (m,).
+    hopeless: a point below ends the search; scale: absolute size below which differences do not matter;
+    halving: which parameters may be halved, and where.
     """
     open_cells, low, best = list(axis), np.inf, Minimum(-np.inf, np.inf, None)
     for rounds in range(ROUNDS):
@@ -84,7 +102,7 @@ def minimum(
             low = min(low, float(bound[done].min(initial=np.inf)))
             if not done.all():
                 known = np.where(bound > -HUGE, slopes, 0.0)
-                open_cells.append(_halved(evaluate, cells[~done], bound[~done], known[:, ~done], rounds, parameters))
+                open_cells.append(_halved(evaluate, cells[~done], bound[~done], known[:, ~done], rounds, halving))
         if not open_cells:
             return Minimum(low, best.high, best.at)
         if sum(cells.size for cells in open_cells) > MOST_CELLS:
@@ -135,27 +153,21 @@ def _halved(
     bound: NDArray[np.float64],
     slopes: NDArray[np.float64],
     rounds: int,
-    parameters: NDArray[np.bool_] | None,
+    halving: Halving | None,
 ) -> Cells:
     """Each halved along what raises the bound by most, where that is fixed at its worst end; or by turns."""
-    if parameters is None or not parameters.any():
+    if halving is None or not halving.which.any():
         return cells.split_frequency()
-    gain = np.full((1 + parameters.size, cells.size), -np.inf)
-    for index in (-1, *np.flatnonzero(parameters).tolist()):
+    gain = np.full((1 + halving.which.size, cells.size), -np.inf)
+    for index in (-1, *np.flatnonzero(halving.which).tolist()):
         fixed, _ = _lowest(evaluate, cells.at_end(index, slopes[1 + index] > 0))
         gain[1 + index] = np.maximum(fixed, -HUGE) - np.maximum(bound, -HUGE)
     lost = ~(bound > -HUGE)
     gain[0] = np.where(lost, -np.inf, gain[0])  # where nothing is known yet, a parameter is to blame, now and then ω
-    turn = np.zeros(cells.size, dtype=int) if rounds % 3 == 2 else 1 + widest(cells, parameters)
+    turn = np.zeros(cells.size, dtype=int) if rounds % 3 == 2 else 1 + halving.widest(cells)
     useful = (gain.max(axis=0) > 0) & np.where(lost, rounds % 3 != 2, rounds % 6 != 5)
     chosen = np.where(useful, gain.argmax(axis=0), turn)
     frequency = chosen == 0
     halves = [cells[frequency].split_frequency()] if frequency.any() else []
-    halves += [cells[~frequency].split_parameter(chosen[~frequency] - 1)] if not frequency.all() else []
+    halves += [cells[~frequency].split_parameter(chosen[~frequency] - 1, halving.offset)] if not frequency.all() else []
     return Cells.joined(halves)
-
-
-def widest(cells: Cells, parameters: NDArray[np.bool_]) -> NDArray[np.int_]:
-    """The parameter of which most is left."""
-    width = (cells.t[1] - cells.t[0]) * parameters[:, None]
-    return np.asarray(np.argmax(width, axis=0))
