@@ -86,19 +86,21 @@ class CellProver:
             scale=1e-4 if constraint.role is Role.FLOOR else 0.0,
             halving=self.halving,
         )
-        role, required = constraint.role, constraint.level
+        role, required, harder = constraint.role, constraint.level, constraint.role.harder
         proven, beyond = _level(found.low, role, up=False), _level(found.high, role, up=True)
-        harder = constraint.role.harder
         twin = None
         if found.at is not None and beyond is not None:
             twin = Refutation(beyond, self.witness(constraint, found.at))
-        meaningful = proven is not None and (proven > 0 or (role is Role.FLOOR and constraint.id != "friction"))
-        if meaningful and proven is not None and (required is None or harder * (proven - required) >= 0):
+        level = required if required is not None else Fraction(0) if role is Role.FLOOR else Fraction(1)
+        if required is not None and (proven is None or harder * (proven - required) < 0):
+            if twin is not None and harder * (level - twin.value) >= 0:
+                return claim_of(constraint, Outcome.REFUTED, None, replace(twin, value=level))
+            proven = required if self.decide([(constraint, required)]).low > 0 else None
+        if proven is not None and (proven > 0 or (role is Role.FLOOR and constraint.id != "friction")):
             if constraint.positive_real and not self.ends(constraint):
                 return claim_of(constraint, Outcome.UNDECIDED, None, None)
             useful = twin is not None and harder * (twin.value - proven) > 0
             return claim_of(constraint, Outcome.PROVEN, proven, twin if useful else None)
-        level = required if required is not None else Fraction(0) if role is Role.FLOOR else Fraction(1)
         if twin is not None and harder * (level - twin.value) >= 0:
             return claim_of(constraint, Outcome.REFUTED, None, replace(twin, value=level))
         return claim_of(constraint, Outcome.UNDECIDED, None, None)
