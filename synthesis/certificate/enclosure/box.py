@@ -35,7 +35,7 @@ REFINEMENTS, BASINS = 5, 8  # of the grid around its lowest minima
 PROOFS = 14  # of a box, most of them short
 BELOW = 6e-3  # how far below the spread that floats find a proof is tried first
 CLOSE = 1 + 9e-3  # a sandwich of this ratio is close enough
-DENSE = 6000  # frequencies where the spread is looked for first
+DENSE = 3000  # frequencies where the spread is looked for first
 DECADES = np.geomspace(0.1, 1e-8, 8)  # towards the ends of the axis
 
 
@@ -103,19 +103,17 @@ def _critical(family: Family, end: str) -> Iterator[tuple[float, NDArray[np.floa
     omega = np.concatenate([cells.z.mean(axis=0) for cells in prover.axis(WHOLE) if cells.part is Part.MIDDLE])
     dense = np.geomspace(omega[0], omega[-1], DENSE)
     omega = np.unique([*(omega[0] * DECADES), *omega, *dense, *(omega[-1] / DECADES), *_resonances(family, end)])
-    grids = [omega]
     for _ in range(REFINEMENTS):
-        lowest: list[tuple[Any, ...]] = []
-        for grid in grids:
-            p, q, _, _ = plane(ENDS[end](JointOnCells(prover.family, Cells.at(grid, m))))
-            v, there = entering(p, grid * q, offset)
-            padded = np.concatenate([[np.inf], v, [np.inf]])
-            for k in np.flatnonzero((v <= padded[:-2]) & (v <= padded[2:]) & np.isfinite(v)).tolist():
-                around = grid[max(k - 1, 0)], grid[min(k + 1, v.size - 1)]
-                lowest.append((float(v[k]), there[:, k], float(grid[k]), *around))
-        lowest = sorted(lowest, key=_size)[:BASINS]
-        yield from ((v, t, omega) for v, t, omega, *_ in lowest)
-        grids = [np.geomspace(low, high, 60) for *_, low, high in lowest]
+        p, q, _, _ = plane(ENDS[end](JointOnCells(prover.family, Cells.at(omega, m))))
+        v, there = entering(p, omega * q, offset)
+        padded = np.concatenate([[np.inf], v, [np.inf]])
+        lowest = np.flatnonzero((v <= padded[:-2]) & (v <= padded[2:]) & np.isfinite(v))
+        lowest = lowest[np.argsort(v[lowest])[:BASINS]]
+        yield from ((float(v[k]), there[:, k], float(omega[k])) for k in lowest.tolist())
+        around = [(omega[max(k - 1, 0)], omega[min(k + 1, v.size - 1)]) for k in lowest.tolist()]
+        omega = np.unique([z for low, high in around for z in np.geomspace(low, high, 60)])
+        if not omega.size:
+            break
     for part, end_of_axis in ((Part.LOW, 0.0), (Part.HIGH, np.inf)):
         t = np.ones((2, m, 1))
         t[0] = -1.0

@@ -25,7 +25,7 @@ from .form import Form
 from .joint import Family, JointOnCells
 from .search import Halving, Minimum, Point, minimum
 
-MIDDLE = 1000  # cells the axis starts with
+MIDDLE = 300  # cells the axis starts with
 BEYOND = 30.0  # how far beyond the joint's own frequencies the ends of the axis begin
 END_ROUNDS, MOST_END_CELLS = 20, 4_000  # halvings of the parameters at 0 and at ∞
 NEAR = (1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1)
@@ -59,7 +59,9 @@ class CellProver:
         return known[1]
 
     def inequalities(self, constraint: Constraint, joint: JointOnCells) -> tuple[Inequality, ...]:
-        """A constraint's inequalities, on cells."""
+        """A constraint's inequalities, on cells; where nothing but the frequency varies, its own are exact."""
+        if self.family.setting.polynomial and self.family.tolerance == 0:
+            return constraint.inequalities
         same = (
             c for c in constraints(joint.setting, constraint.id) if (c.id, c.form) == (constraint.id, constraint.form)
         )
