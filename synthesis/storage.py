@@ -66,6 +66,23 @@ def write_atomic(path: Path, data: bytes) -> None:
             Path(temporary).unlink(missing_ok=True)
 
 
+def discard(*paths: Path) -> None:
+    """Remove what an earlier run left, before a newer file is written that it does not belong to.
+
+    A crash then leaves files of one run only: the old certificate alone, or the new one and what was written after it.
+    Raises: InputError when one cannot be removed; KeyboardInterrupt when Ctrl-C was pressed before.
+    """
+    demand_none()
+    for path in paths:
+        try:
+            path.unlink(missing_ok=True)
+        except NotADirectoryError:  # its folder is a file: writing will say so
+            continue
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise InputError(f"cannot be replaced: {reason}", Location(str(path))) from error
+
+
 def _write_through(file: BinaryIO, data: bytes) -> None:
     file.write(data)
     file.flush()

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import shutil
+import signal
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -16,6 +19,7 @@ from robimp.synthesis.agreement import compare
 from robimp.synthesis.certificate.claims import Claim, certify
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.check import check_bytes
+from robimp.synthesis.cli.synth import _synth_one
 from robimp.synthesis.errors import ExitCode
 from robimp.synthesis.pipeline import realizable, setting_of, synthesize
 from robimp.synthesis.spec import load_spec, parse_spec, spec_sha256
@@ -181,3 +185,61 @@ def test_energy_is_only_a_contradiction_where_passivity_is_proven() -> None:
 def test_a_result_is_frozen(paper: Result) -> None:
     with pytest.raises(AttributeError):
         paper.seconds = 0.0  # type: ignore[misc]
+
+
+# ---- files of two runs in one folder
+
+
+def written_by(result: Result, folder: Path, monkeypatch: pytest.MonkeyPatch, killed_at: int | None = None) -> int:
+    """Write a result as `synth` does, in a process that kills itself before its killed_at-th change; its changes."""
+    with monkeypatch.context() as patched:
+        patched.setattr(pipeline, "synthesize", lambda *_, **__: result)
+        changes = folder.parent / "changes"
+        changes.write_text("0", encoding="utf-8")
+        child = os.fork()
+        if child == 0:
+            for name in ("replace", "unlink"):
+                change = getattr(Path, name)
+
+                def counted(self: Path, *a: Any, _change: Any = change, **k: Any) -> Any:
+                    if self.parent == folder and not (self.name.endswith(".part") and _change.__name__ == "unlink"):
+                        number = int(changes.read_text(encoding="utf-8"))
+                        if number == killed_at:
+                            os.kill(os.getpid(), signal.SIGKILL)
+                        changes.write_text(str(number + 1), encoding="utf-8")
+                    return _change(self, *a, **k)
+
+                setattr(Path, name, counted)
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+            try:
+                _synth_one(Path("spec.yaml"), result.spec, folder, None, True)
+            finally:
+                os._exit(0)
+        os.waitpid(child, 0)
+    return int(changes.read_text(encoding="utf-8"))
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {entry.name: entry.read_bytes() for entry in folder.iterdir() if not entry.name.endswith(".part")}
+
+
+def test_a_kill_at_any_change_leaves_files_of_one_run(
+    paper: Result, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    other = synthesize(parse_spec(spec_text(("damping: 0.35", "damping: 0.36"))))
+    for name, result in (("old", paper), ("new", other)):
+        changes = written_by(result, tmp_path / name, monkeypatch)
+    old, new = contents(tmp_path / "old"), contents(tmp_path / "new")
+    assert set(old) == set(new) == {"certificate.json", "simulation.json", "report.html"}
+    assert all(old[name] != new[name] for name in old), "control: a mixture would be seen"
+    assert changes >= 6, "three removals, three files"
+    seen = set()
+    for step in range(changes + 1):
+        folder = tmp_path / f"killed-{step}"
+        shutil.copytree(tmp_path / "old", folder)
+        written_by(other, folder, monkeypatch, step)
+        found = contents(folder)
+        assert found.items() <= old.items() or found.items() <= new.items(), (step, sorted(found))
+        assert "certificate.json" in found
+        seen.add(found["certificate.json"] == new["certificate.json"])
+    assert seen == {False, True} and contents(folder) == new

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from robimp.synthesis.errors import InputError
-from robimp.synthesis.storage import demand_replaceable, demand_writable, write_atomic
+from robimp.synthesis.storage import demand_replaceable, demand_writable, discard, write_atomic
 
 
 def names(folder: Path) -> list[str]:
@@ -175,3 +175,12 @@ def test_a_folder_without_permission_is_refused(tmp_path: Path, monkeypatch: pyt
     monkeypatch.setattr(os, "access", lambda place, mode: not (Path(place) == tmp_path and mode & os.W_OK))
     with pytest.raises(InputError, match="read-only"):
         demand_writable(tmp_path / "new")
+
+
+def test_what_belongs_to_an_older_file_is_removed(tmp_path: Path) -> None:
+    (tmp_path / "old.json").write_bytes(b"old")
+    discard(tmp_path / "old.json", tmp_path / "missing.json", tmp_path / "no" / "folder.json")
+    assert names(tmp_path) == []
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(InputError, match="cannot be replaced"):
+        discard(tmp_path / "folder")

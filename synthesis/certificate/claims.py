@@ -13,7 +13,6 @@ from ..problem.constraints import constraints
 from ..problem.setting import Setting
 from .band import prove_bandwidth
 from .claim import Claim
-from .enclosure.box import excluded
 from .enclosure.claims import (
     prove_boxes,
     prove_constraints,
@@ -22,6 +21,7 @@ from .enclosure.claims import (
     required_of,
     tolerant,
 )
+from .enclosure.exclusion import excluded
 from .enclosure.joint import family_of
 from .enclosure.prover import CellProver
 from .enclosure.tolerance import Required, holds, weakest

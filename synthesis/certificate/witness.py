@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from math import isqrt
+from math import inf, isqrt, log10
 
 from flint import arb, ctx, fmpq, fmpq_poly
 
@@ -22,6 +22,7 @@ from .positivity import obligations
 from .roots import complex_roots
 
 T_SAMPLES = 16
+NEAR = 8.0  # decades from where the grid found a constraint tightest: beyond, ∞ says more
 
 
 @dataclass(frozen=True)
@@ -87,17 +88,27 @@ def _load(inequality: SumOfRoots, t: fmpq) -> DynamicStiffness | None:
 def _candidates(
     inequality: SumOfRoots, interval: Interval, hints: tuple[float, ...], strict: bool
 ) -> Iterator[Fraction | None]:
+    """Frequencies in the order they are worth trying; those far from the hints come after ∞."""
     low, high = interval
     for hint in hints:
         omega = short(hint)
         if low <= exact(omega * omega) and (high is None or exact(omega * omega) <= high):
             yield omega
     yield from (_sqrt(end) for end in (low, high) if end is not None)
-    yield from ((None,) if high is None else ())
+    inside: list[Fraction] = []
     if len(inequality.radicands) <= 2:
+        usual = next((hint for hint in hints if 0 < hint < inf), 1.0)
         for needed in obligations(inequality, strict=strict):
             if len(needed.p) == 1:
-                yield from _between_roots(needed.p[0], interval)
+                inside += _between_roots(needed.p[0], interval, usual)
+        inside.sort(key=lambda omega: _decades(omega, usual))
+    near = [omega for omega in inside if _decades(omega, usual) < NEAR]
+    yield from (*near, *((None,) if high is None else ()), *inside[len(near) :])
+
+
+def _decades(omega: Fraction, usual: float) -> float:
+    """How many decades a frequency is away from a usual one."""
+    return abs(log10(omega.numerator) - log10(omega.denominator) - log10(usual)) if omega > 0 else inf
 
 
 def _sqrt(x: fmpq) -> Fraction:
@@ -105,8 +116,8 @@ def _sqrt(x: fmpq) -> Fraction:
     return Fraction(isqrt(int(x.p)), isqrt(int(x.q)))
 
 
-def _between_roots(p: fmpq_poly, interval: Interval) -> Iterator[Fraction]:
-    """Rational frequencies, one between each two neighbouring real roots of p inside the interval."""
+def _between_roots(p: fmpq_poly, interval: Interval, usual: float) -> Iterator[Fraction]:
+    """Rational frequencies, one between each two neighbouring real roots of p inside the interval, near a usual one."""
     low, high = (float(fraction(interval[0])), None if interval[1] is None else float(fraction(interval[1])))
     if p.degree() <= 0:
         return
@@ -114,7 +125,10 @@ def _between_roots(p: fmpq_poly, interval: Interval) -> Iterator[Fraction]:
     roots.append(high if high is not None else 4 * (roots[-1] or 1.0))
     for a, b in pairwise(roots):
         if b > a:
-            yield _rational_sqrt_between(Fraction(a), Fraction(b))
+            near_a, near_b = Fraction(a) + Fraction(b - a) / 16, Fraction(b) - Fraction(b - a) / 16
+            if a > 0 and b > 16 * a:  # between roots far apart, the middle would be at the farther one
+                near_a, near_b = 4 * Fraction(a), Fraction(b) / 4
+            yield _rational_sqrt_between(Fraction(a), Fraction(b), min(max(Fraction(usual) ** 2, near_a), near_b))
 
 
 def real_roots(p: fmpq_poly) -> list[float]:
@@ -122,9 +136,8 @@ def real_roots(p: fmpq_poly) -> list[float]:
     return sorted(float(root.real.mid()) for root, _ in complex_roots(p) if root.imag == 0)
 
 
-def _rational_sqrt_between(a: Fraction, b: Fraction) -> Fraction:
-    """A rational ω with few digits and a < ω² < b."""
-    middle = (a + b) / 2
+def _rational_sqrt_between(a: Fraction, b: Fraction, middle: Fraction) -> Fraction:
+    """A rational ω with few digits, a < ω² < b and ω² near `middle`."""
     for digits in range(1, 400, 3):
         scale = 10**digits
         omega = Fraction(isqrt(int(middle * scale * scale)), scale)

@@ -72,7 +72,7 @@ def _synth_orders(
     from ..pipeline import Shared, synthesize
     from ..report.orders import OfOrder, figure, listed, show_orders
     from ..report.progress import status_line
-    from ..storage import demand_writable, write_atomic
+    from ..storage import demand_writable, discard, write_atomic
 
     shared, rows, codes, certificates = Shared(), list[OfOrder](), list[ExitCode](), dict[str, bytes]()
     for spec in specs:
@@ -87,6 +87,7 @@ def _synth_orders(
             continue
         place = folder / f"order-{order}"
         demand_writable(place)
+        discard(*(folder / name for name in ("report.html", "orders.json", "orders.svg")))
         certificates[f"{place.name}/certificate.json"] = result.certificate_bytes()
         write_atomic(place / "certificate.json", result.certificate_bytes())
         rows.append(OfOrder(order, float(result.omega_B), time.monotonic() - began))
@@ -120,7 +121,7 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, a
     from ..pipeline import synthesize
     from ..report.progress import status_line
     from ..report.summary import simulation, summary
-    from ..storage import write_atomic
+    from ..storage import discard, write_atomic
 
     try:
         with located(path), status_line() as progress:
@@ -129,8 +130,9 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, a
         if (folder / "certificate.json").exists():
             complain(f"{path}: note: {folder / 'certificate.json'} is from an earlier run")
         raise
-    write_atomic(folder / "simulation.json", dumped(simulation(result)).encode())
+    discard(*(folder / name for name in ("report.html", "simulation.json", "joints.npz")))  # never beside a newer one
     write_atomic(folder / "certificate.json", result.certificate_bytes())
+    write_atomic(folder / "simulation.json", dumped(simulation(result)).encode())
     _report({"certificate.json": result.certificate_bytes()}, folder)
     if as_json:
         say(dumped({"file": str(folder / "certificate.json"), **summary(result)}))

@@ -16,7 +16,7 @@ from .setting import Setting
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-HALVINGS = 60  # of a grid interval: to the last digit of a double
+ROUNDS, PARTS = 10, 64  # an interval of the grid is divided to the last digit of a double
 
 
 def frequency_scale(setting: Setting) -> tuple[float, float]:
@@ -109,11 +109,12 @@ class Evaluator:
         X: dict[Variable, RationalFunction],
     ) -> float:
         """The last frequency [rad/s], from one where all inequalities hold towards one where one fails."""
-        for _ in range(HALVINGS):
-            middle = 0.5 * (holds + fails)
-            at = Evaluator(self.setting, np.array([middle]))
-            good = all(at.slack(inequality, v, X)[0] >= 0 for inequality in inequalities)
-            holds, fails = (middle, fails) if good else (holds, middle)
+        for _ in range(ROUNDS):
+            omega = np.linspace(holds, fails, PARTS + 1)
+            at = Evaluator(self.setting, omega[1:-1])
+            bad = ~np.all([at.slack(inequality, v, X) >= 0 for inequality in inequalities], axis=0)
+            k = int(np.argmax(bad)) if bad.any() else PARTS - 1
+            holds, fails = float(omega[k]), float(omega[k + 1])
         return holds
 
     def inside(self, constraint: Constraint) -> NDArray[np.bool_]:

@@ -17,7 +17,7 @@ from certificate_joints import PAPER_Q, rational, reference
 from robimp.models.rational import exact
 from robimp.synthesis.certificate.claims import certify
 from robimp.synthesis.certificate.document import document, verdict
-from robimp.synthesis.certificate.enclosure.box import excluded
+from robimp.synthesis.certificate.enclosure.exclusion import excluded
 from robimp.synthesis.certificate.enclosure.joint import family_of
 from robimp.synthesis.certificate.enclosure.prover import CellProver
 from robimp.synthesis.certificate.hurwitz import is_hurwitz

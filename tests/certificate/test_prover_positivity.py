@@ -296,3 +296,19 @@ def test_infinity_is_compared_by_leading_coefficients():
         one = SumOfRoots(((poly(0, 0, 1),),), (poly(1, 0, 0) + lead * X**2,), True, None)
         assert holds(one, WHOLE, strict=True) is expected
     assert find_witness(SumOfRoots(((X**2,),), (poly(1, 0, 1),), True, None), WHOLE, (), strict=True).omega is None
+
+
+@pytest.mark.parametrize("usual", [3.0, 50.0, 2e5])
+def test_a_witness_is_near_the_joints_frequencies(usual):
+    """R < 0 between x = 10⁶ and 10²⁸⁶: the middle is at 10¹⁴³ rad/s, where no joint has ever been."""
+    right = poly(-(10**6), 1) * poly(-(10**286), 1)
+    found = find_witness(SumOfRoots((), (right,), False, None), WHOLE, (usual,), strict=True)
+    assert 10**3 < found.omega <= max(2 * 10**3, usual)
+
+
+def test_what_fails_only_beyond_every_joint_fails_at_infinity():
+    falling = SumOfRoots((), (poly(10**250, -1),), False, None)
+    assert find_witness(falling, WHOLE, (50.0,), strict=True).omega is None
+    returning = SumOfRoots((), (poly(-(10**250), 1) * poly(-(10**252), 1),), False, None)
+    far = find_witness(returning, WHOLE, (50.0,), strict=True).omega
+    assert 10**250 < far**2 < 10**252, "unless it holds there again"

@@ -17,6 +17,7 @@ from .cells import Cells, Part
 from .prover import NEAR, CellProver
 from .search import Point
 
+LEAVING = 1e-3  # of the band: what leaves a rendering error for every joint room enough to be proven quickly
 NEEDLES = 4  # resonances that the grid of frequencies overlooked
 
 
@@ -59,9 +60,10 @@ def _middle(prover: CellProver) -> tuple[float, float]:
 
 
 def _proven_end(prover: CellProver, conditions: list[Constraint], first: float) -> tuple[Fraction | None, float]:
+    closest = LEAVING if len(conditions) > 1 and prover.halving.which.any() else 0.0
     for _ in range(NEEDLES):
         point: Point | None = None
-        for tightness in NEAR:
+        for tightness in (near for near in NEAR if near >= closest):
             end = short(first * (1 - tightness), digits=8, up=False)
             found = prover.decide([(replace(c, band=(Fraction(0), end)), c.level or Fraction(0)) for c in conditions])
             if found.low > 0:

@@ -6,8 +6,10 @@ low     z = ω → 0, high  z = 1/ω → 0: powers of z are counted apart, so th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -69,20 +71,52 @@ class Cells:
         halves = Cells(self.part, z, np.concatenate([self.t, self.t], axis=2))
         return halves.split_frequency() if 0 < halves.size < FEW else halves
 
-    def split_parameter(self, index: NDArray[np.int_]) -> Cells:
-        """Every cell halved along its parameter `index`, (n,)."""
+    def split_parameter(self, index: NDArray[np.int_], offset: NDArray[np.float64] | None = None) -> Cells:
+        """Every cell halved along its parameter `index`, (n,); in ratio while its ends differ by a factor above 2.
+
+        offset: (m,) for parameters that are proportional to t + offset.
+        """
         k = np.arange(self.size)
-        middle = self.t[:, index, k].mean(axis=0)
+        low, high = self.t[:, index, k]
+        middle = (low + high) / 2
+        if offset is not None:
+            a, b = low + offset[index], high + offset[index]
+            middle = np.where((a > 0) & (b > 2 * a), np.sqrt(np.abs(a * b)) - offset[index], middle)
         below, above = self.t.copy(), self.t.copy()
         below[1, index, k] = middle
         above[0, index, k] = middle
         return Cells(self.part, np.hstack([self.z, self.z]), np.concatenate([below, above], axis=2))
+
+    def at_end(self, index: int, low: NDArray[np.bool_]) -> Cells:
+        """The cells at one end of the frequencies (index −1) or of a parameter: the lower where `low`, (n,)."""
+        z, t = self.z, self.t.copy()
+        if index < 0:
+            z = np.where(low, z[0], z[1]) * np.ones((2, 1))
+        else:
+            t[:, index] = np.where(low, t[0, index], t[1, index])
+        return Cells(self.part, z, t)
 
     def points(self, signs: NDArray[np.float64]) -> Cells:
         """Degenerate cells: the middle in z, each parameter at the end of its range that `signs`, (m, n), names."""
         z = self.z.mean(axis=0)
         t = np.where(signs < 0, self.t[0], np.where(signs > 0, self.t[1], self.t.mean(axis=0)))
         return Cells(self.part, np.vstack([z, z]), np.stack([t, t]))
+
+    def corners(self, which: Sequence[int]) -> list[Cells]:
+        """The cells with some parameters, by index, at the ends of their part: the last changes fastest."""
+        found = []
+        for ends in product((0, 1), repeat=len(which)):
+            t = self.t.copy() if which else self.t
+            for index, end in zip(which, ends, strict=True):
+                t[:, index] = self.t[end, index]
+            found.append(Cells(self.part, self.z, t))
+        return found
+
+    @classmethod
+    def joined(cls, parts: Sequence[Cells]) -> Cells:
+        """Cells of one part of the axis, one after the other."""
+        z, t = (np.concatenate(arrays, axis=-1) for arrays in zip(*((one.z, one.t) for one in parts), strict=True))
+        return cls(parts[0].part, z, t)
 
     def moving(self, index: int, low: NDArray[np.float64], high: NDArray[np.float64]) -> Form:
         """The form of a quantity that runs from low to high with tᵢ."""

@@ -31,7 +31,7 @@ def prove_constraints(setting: Setting, C: Compensator) -> Iterator[Claim]:
     for constraint in constraints(setting):
         if constraint.id == "bandwidth":
             yield band
-        elif constraint.on_band and band.margin is None:
+        elif constraint.on_band and band.margin is None and not constraint.required:
             yield claim_of(replace(constraint, band=band.interval), Outcome.UNDECIDED, None, None)
         elif not constraint.largest_band:
             yield prover.hardest(replace(constraint, band=band.interval) if constraint.on_band else constraint)

@@ -63,6 +63,17 @@ class Family:
                 found[f"{part}.{k}"] = (c - reach, c + reach)
         return {name: ends for name, ends in found.items() if ends[0] < ends[1]}
 
+    @property
+    def only_loads(self) -> bool:
+        """Whether loads are all that varies, without a hold: actuator, impedance and controller are polynomials."""
+        ranges = not self.single and (self.setting.impedances or self.setting.actuators)
+        return not (ranges or self.tolerance or self.setting.loop.actuator.hold)
+
+    @cached_property
+    def compensator(self) -> Compensator:
+        """C with its own coefficients."""
+        return self.setting.build(self.numerator, self.denominator)
+
     def _scaled(self, interval: tuple[fmpq, fmpq, fmpq]) -> Range:
         low, high, middle = interval
         v = exact(self.spread)
@@ -132,7 +143,7 @@ class JointOnCells:
         """C, its coefficients as uncertain as the tolerance makes them."""
         family = self.family
         if family.tolerance == 0:
-            C = family.setting.build(family.numerator, family.denominator)
+            C = family.compensator
             return Compensator(self.s.polynomial(C.num), self.s.polynomial(C.den))
         parts = []
         for part, p in (("numerator", family.numerator), ("denominator", family.denominator)):
@@ -147,6 +158,13 @@ class JointOnCells:
     def free(self) -> Wave:
         """Characteristic function in free motion, the load a parameter."""
         load = self.family.load or self.family.setting.loop.nominal
+        if self.family.only_loads:  # f(load) = f + E·(load − its middle), f and E exact polynomials
+            loop, C = self.family.setting.loop, self.family.compensator
+            f = loop.free(load)(C)
+            E = loop.free(replace(load, stiffness=load.stiffness + 1))(C) - f
+            moved = {k: self._number(f"load.{k}", getattr(load, k)) - getattr(load, k) for k in LOAD}
+            change: Wave = DynamicStiffness(**moved, s=self.s).polynomial
+            return self.s.polynomial(f) + self.s.polynomial(E) * change
         load = DynamicStiffness(**{k: self._number(f"load.{k}", getattr(load, k)) for k in LOAD}, s=self.s)
         return self.setting.loop.free(load)(self.compensator)  # type: ignore[no-any-return]
 

@@ -52,18 +52,37 @@ class Minimum:
     at: Point | None
 
 
+@dataclass(frozen=True)
+class Halving:
+    """Which parameters may be halved, (m,), and the offset for which each is proportional to t + offset, (m,)."""
+
+    which: NDArray[np.bool_]
+    offset: NDArray[np.float64]
+
+    def widest(self, cells: Cells) -> NDArray[np.int_]:
+        """The parameter of which most is left."""
+        width = (cells.t[1] - cells.t[0]) * self.which[:, None]
+        return np.asarray(np.argmax(width, axis=0))
+
+    def apply(self, cells: Cells) -> Cells:
+        """Cells halved along that."""
+        return cells.split_parameter(self.widest(cells), self.offset)
+
+
 def minimum(
     evaluate: Evaluate,
     axis: Sequence[Cells],
     *,
     floor: float | None = None,
+    hopeless: float = -np.inf,
     scale: float = 0.0,
     gap: float = GAP,
-    parameters: NDArray[np.bool_] | None = None,
+    halving: Halving | None = None,
 ) -> Minimum:
     """Least value of several forms over cells, to a relative `gap`; stops early once `floor` is proven or refuted.
 
-    scale: absolute size below which differences do not matter; parameters: which of them may be halved, (m,).
+    hopeless: a point below ends the search; scale: absolute size below which differences do not matter;
+    halving: which parameters may be halved, and where.
     """
     open_cells, low, best = list(axis), np.inf, Minimum(-np.inf, np.inf, None)
     for rounds in range(ROUNDS):
@@ -73,7 +92,7 @@ def minimum(
             if point is not None and point.value < best.high:
                 best = Minimum(-np.inf, point.value, point)
             waiting.append((cells, bound, slopes))
-        if floor is not None and best.high < floor:
+        if best.high < (hopeless if floor is None else floor):
             return best
         near = best.high - gap * (abs(best.high) + scale) if np.isfinite(best.high) else np.inf
         enough = np.nextafter(near if floor is None else floor, np.inf)
@@ -83,7 +102,7 @@ def minimum(
             low = min(low, float(bound[done].min(initial=np.inf)))
             if not done.all():
                 known = np.where(bound > -HUGE, slopes, 0.0)
-                open_cells.append(_halved(cells[~done], known[:, ~done], rounds, parameters))
+                open_cells.append(_halved(evaluate, cells[~done], bound[~done], known[:, ~done], rounds, halving))
         if not open_cells:
             return Minimum(low, best.high, best.at)
         if sum(cells.size for cells in open_cells) > MOST_CELLS:
@@ -94,12 +113,7 @@ def minimum(
 
 def _bounds(evaluate: Evaluate, cells: Cells) -> tuple[NDArray[np.float64], Point | None, NDArray[np.float64]]:
     """Lower bound on every cell, the best point seen, and the slopes (1+m, n) of the form that is lowest there."""
-    lowest, slopes = np.full(cells.size, np.inf), np.zeros((1 + cells.t.shape[1], cells.size))
-    for form in evaluate(cells):
-        lower = _scaled(form, form.lower, cells)
-        smaller = lower < lowest
-        lowest = np.where(smaller, lower, lowest)
-        slopes = np.where(smaller, form.c[1:], slopes)
+    lowest, slopes = _lowest(evaluate, cells)
     tried = np.argsort(lowest)[:TRIED]
     points = cells[tried].points(-np.sign(slopes[1:, tried]))
     best: Point | None = None
@@ -112,6 +126,17 @@ def _bounds(evaluate: Evaluate, cells: Cells) -> tuple[NDArray[np.float64], Poin
     return lowest, best, slopes
 
 
+def _lowest(evaluate: Evaluate, cells: Cells) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lower bound of all forms on every cell, (n,), and the slopes (1+m, n) of the form that is lowest there."""
+    lowest, slopes = np.full(cells.size, np.inf), np.zeros((1 + cells.t.shape[1], cells.size))
+    for form in evaluate(cells):
+        lower = _scaled(form, form.lower, cells)
+        smaller = lower < lowest
+        lowest = np.where(smaller, lower, lowest)
+        slopes = np.where(smaller, form.c[1:], slopes)
+    return lowest, slopes
+
+
 def _scaled(form: Form, lower: NDArray[np.float64], cells: Cells) -> NDArray[np.float64]:
     """A lower bound of z^order·form from one of the form, over every z of the cell."""
     lower = np.nan_to_num(lower, nan=-np.inf)
@@ -122,16 +147,27 @@ def _scaled(form: Form, lower: NDArray[np.float64], cells: Cells) -> NDArray[np.
     return np.asarray(np.where(lower < 0, ends.min(axis=0), np.maximum(ends.min(axis=0), 0.0)))
 
 
-def _halved(cells: Cells, slopes: NDArray[np.float64], rounds: int, parameters: NDArray[np.bool_] | None) -> Cells:
-    """In turns along the frequency and a parameter: that of the largest first-order effect, or the widest."""
-    if parameters is None or not parameters.any() or rounds % 3 == 2:
+def _halved(
+    evaluate: Evaluate,
+    cells: Cells,
+    bound: NDArray[np.float64],
+    slopes: NDArray[np.float64],
+    rounds: int,
+    halving: Halving | None,
+) -> Cells:
+    """Each halved along what raises the bound by most, where that is fixed at its worst end; or by turns."""
+    if halving is None or not halving.which.any():
         return cells.split_frequency()
-    weight = np.abs(slopes[1:]) * parameters[:, None]
-    unknown = (weight.max(axis=0) == 0) | (rounds % 6 == 4)
-    return cells.split_parameter(np.where(unknown, _widest(cells, parameters), np.argmax(weight, axis=0)))
-
-
-def _widest(cells: Cells, parameters: NDArray[np.bool_]) -> NDArray[np.int_]:
-    """The parameter of which most is left."""
-    width = (cells.t[1] - cells.t[0]) * parameters[:, None]
-    return np.asarray(np.argmax(width, axis=0))
+    gain = np.full((1 + halving.which.size, cells.size), -np.inf)
+    for index in (-1, *np.flatnonzero(halving.which).tolist()):
+        fixed, _ = _lowest(evaluate, cells.at_end(index, slopes[1 + index] > 0))
+        gain[1 + index] = np.maximum(fixed, -HUGE) - np.maximum(bound, -HUGE)
+    lost = ~(bound > -HUGE)
+    gain[0] = np.where(lost, -np.inf, gain[0])  # where nothing is known yet, a parameter is to blame, now and then ω
+    turn = np.zeros(cells.size, dtype=int) if rounds % 3 == 2 else 1 + halving.widest(cells)
+    useful = (gain.max(axis=0) > 0) & np.where(lost, rounds % 3 != 2, rounds % 6 != 5)
+    chosen = np.where(useful, gain.argmax(axis=0), turn)
+    frequency = chosen == 0
+    halves = [cells[frequency].split_frequency()] if frequency.any() else []
+    halves += [cells[~frequency].split_parameter(chosen[~frequency] - 1, halving.offset)] if not frequency.all() else []
+    return Cells.joined(halves)

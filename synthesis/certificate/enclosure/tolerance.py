@@ -15,8 +15,8 @@ from ....models.rational import descending
 from ...problem.constraints.inequality import Constraint
 from ...spec.model import Polynomials
 from ..witness import Witness, short
-from .box import excluded
 from .cells import Cells, Part
+from .exclusion import excluded
 from .joint import Family
 from .prover import CellProver
 from .search import Point
