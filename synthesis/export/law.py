@@ -1,13 +1,11 @@
 """The controller as it is shipped: difference equations with rounded coefficients, and exactly what they compute.
 
-From the samples of τ_int and θ, at z⁻¹ = one tick ago,
+    τ_d = C (F M τ_int − F_θ (I_imp A + B_imp V + K_imp M) θ) + F_d (ΔI A_d + ΔB V_d + ΔK M_d) θ,   Δ = Ĝ⁻¹ − G_imp
 
-    θ' = D θ,  θ'' = D² θ,  D = (1 − z⁻¹)/T
-    τ_d = C (F τ_int − F_θ (I_imp D² + B_imp D + K_imp) θ) + F_d (ΔI D² + ΔB D + ΔK) θ,   Δ = Ĝ⁻¹ − G_imp
-
-is (10)/(20) with backward differences of the encoder's angle. C and the filters are those of the certificate under
-Tustin's rule `s → c (z−1)/(z+1)`, `c = ω_B/tan(ω_B T/2)`: at ω_B, where the certificate's claims are tight, the discrete
-filter has exactly the response of the continuous one, and every stable mode stays stable.
+is (10)/(20) from the samples of τ_int and θ, with their means M and the encoder's differences V and A of `motion`. C and
+the filters are those of the certificate under Tustin's rule `s → c (z−1)/(z+1)`, `c = ω_B/tan(ω_B T/2)`: at ω_B, where
+the certificate's claims are tight, a discrete filter has exactly the response of the continuous one, and every stable
+mode stays stable.
 """
 
 from __future__ import annotations
@@ -24,6 +22,7 @@ from ...models.impedance import DynamicStiffness
 from ...models.rational import RationalFunction, exact, to_float
 from ..errors import InputError
 from ..problem.setting import LOAD, Setting
+from .motion import Motion
 from .schur import is_schur
 from .sections import DTYPE, Sections, sections_of
 
@@ -32,13 +31,15 @@ NEAR_NYQUIST = 0.5  # part of π/T beyond which Tustin's rule has little of the 
 
 @dataclass(frozen=True)
 class Law:
-    """The shipped controller. period [s]; nominal, desired: Ĝ⁻¹ and G_imp as rounded; no sections: a factor 1."""
+    """The shipped controller; means are taken out of C and F_d. period [s]; nominal, desired: Ĝ⁻¹ and G_imp as rounded; no sections: a factor 1."""
 
     period: fmpq
     precision: str
     prewarp: float  # frequency [rad/s] at which discrete and continuous filters agree
     nominal: DynamicStiffness
     desired: DynamicStiffness
+    error: Motion  # M, V, A before the compensator
+    compensated: Motion  # M_d, V_d, A_d before F_d
     compensator: Sections
     force: Sections
     position: Sections
@@ -85,24 +86,27 @@ def discretised(setting: Setting, C: Compensator, rate: Fraction, precision: str
     c = exact(prewarp / tan(prewarp / float(rate) / 2))
     filters, loop = setting.loop.filters, setting.loop
 
-    def discrete(num: fmpq_poly, den: fmpq_poly) -> Sections:
-        return sections_of(num, den, c, precision)
-
     def of(filter_: RationalFunction) -> Sections:
-        return discrete(filter_.num, filter_.den)
+        return sections_of(filter_.num, filter_.den, c, precision)
+
+    def motion(relative_degree: int) -> Motion:
+        return Motion.of(relative_degree, c, 1 / exact(rate), DTYPE[precision])
 
     common = filters.position is None  # one filter for the whole dynamic error belongs to C
-    F = filters.force if common else RationalFunction.of((1,))
+    num, den = (C.num * filters.force.num, C.den * filters.force.den) if common else (C.num, C.den)
+    error, compensated = motion(den.degree() - num.degree()), motion(filters.derivative.relative_degree)
     return Law(
         period=1 / exact(rate),
         precision=precision,
         prewarp=prewarp,
         nominal=rounded_stiffness(loop.nominal, precision),
         desired=rounded_stiffness(loop.desired, precision),
-        compensator=discrete(C.num * F.num, C.den * F.den),
+        error=error,
+        compensated=compensated,
+        compensator=sections_of(num, den, c, precision, error.r),
         force=Sections(()) if common else of(filters.force),
         position=Sections(()) if filters.position is None else of(filters.position),
-        derivative=of(filters.derivative),
+        derivative=sections_of(filters.derivative.num, filters.derivative.den, c, precision, compensated.r),
     )
 
 

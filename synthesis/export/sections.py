@@ -67,17 +67,17 @@ class Sections:
         return np.array([[s.b0, s.b1, s.b2, 1.0, s.a1, s.a2] for s in self.sections]).reshape(-1, 6)
 
 
-def sections_of(num: fmpq_poly, den: fmpq_poly, c: fmpq, precision: str) -> Sections:
-    """`num/den` of s under `s = c (z−1)/(z+1)`, in sections whose numbers are `double` or `float`."""
+def sections_of(num: fmpq_poly, den: fmpq_poly, c: fmpq, precision: str, means: int = 0) -> Sections:
+    """`num/den` of s under `s = c (z−1)/(z+1)`, over `((1 + z⁻¹)/2)^means`; numbers are `double` or `float`."""
     from scipy.signal import zpk2sos
 
     if num == den:
         return Sections(())
     zeros, poles = _mapped(num, c), _mapped(den, c)
-    zeros += [-1.0] * (len(poles) - len(zeros))
-    gain = to_float(num(c) / den(c))  # z = ∞ is s = c
-    if num.degree() < 0:
-        return Sections((Section(0.0, 0.0, 0.0, 0.0, 0.0),))
+    zeros += [0.0] * means + [-1.0] * (len(poles) - len(zeros) - means)
+    gain = to_float(num(c) / den(c)) * 2**means  # z = ∞ is s = c
+    if not poles:
+        return Sections((_rounded(np.array([gain, 0, 0, 1, 0, 0]), precision),))
     rows = _ordered([row for row in zpk2sos(zeros, poles, 1.0)], gain)
     return Sections(tuple(_rounded(row, precision) for row in rows))
 
