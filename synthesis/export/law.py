@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import pi, tan
+from typing import Any
 
 from flint import fmpq, fmpq_poly
 
@@ -55,6 +56,22 @@ class Law:
         """Every filter by its name in the exported files."""
         names = ("compensator", "force", "position", "derivative")
         return {name: getattr(self, name) for name in names}
+
+    def feedback(self, end: str, at: Any, wish: Any, compensation: Any) -> tuple[Any, Any]:
+        """`−τ_d` per θ in free motion, per τ_sea against a rigid wall: numerator and denominator.
+
+        at: turns a polynomial of z⁻¹ into what is calculated with; wish, compensation: `M (I θ'' + B θ' + K θ)` of
+        G_imp and of Ĝ⁻¹ − G_imp, in the same kind.
+        """
+        C, F, F_theta, F_d = self.compensator, self.force, self.position, self.derivative
+        if end == "locked":
+            return at(C.num * self.error.M * F.num), at(C.den * F.den)
+        error, inner = at(C.num * F_theta.num * F_d.den) * wish, at(F_d.num * C.den * F_theta.den) * compensation
+        return error - inner, at(C.den * F_theta.den * F_d.den)
+
+    def idle(self, end: str) -> fmpq_poly:
+        """Denominators of the filters outside that loop, of z⁻¹."""
+        return self.force.den if end == "free" else self.position.den * self.derivative.den
 
     @cached_property
     def back_calculation(self) -> fmpq:

@@ -18,6 +18,7 @@ from ..certificate.outcome import Outcome
 from ..problem.constraints import constraints
 from ..problem.constraints.inequality import Constraint
 from ..problem.setting import Setting
+from .box import Box
 from .carried import Carried
 from .law import Law
 from .pulse import prove_sampled
@@ -56,7 +57,7 @@ class Reproof:
             end = kind[0].removeprefix("stability-")
             if kind[1] in NOMINAL:
                 return replace(left, claim=prove_sampled(self.setting, self.law, end))
-            return replace(left, note="box")
+            return replace(left, claim=Box(family_of(self.setting, self.C), self.law, end).prove(margin))
         if kind[0] == "tolerance":
             return replace(left, required=False, note=NOT_NEEDED)
         if kind == ("eq12", "paper"):
