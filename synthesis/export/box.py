@@ -22,8 +22,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import fmpq
 
-
-
 from ..certificate.claim import Claim, Refutation
 from ..certificate.enclosure.cells import Cells, Part, axis
 from ..certificate.enclosure.claims import EVERY
@@ -35,7 +33,6 @@ from ..certificate.stability import MODES
 from ..certificate.witness import Witness, short
 from ..problem.constraints.inequality import WHOLE
 from ..problem.grid import frequency_scale
-
 from .law import Law
 from .pulse import characteristic, decays, precision
 from .sampled_joint import SampledJoint
@@ -94,10 +91,10 @@ class Box:
         for cells in axis(min(low, rate), float(last) * 2, m, START, (Fraction(0), last)):
             for turn in range(ROUNDS):
                 away = _off_zero(self._f(family, cells, kappa), cells.part)
-                cells = cells[~away]  # noqa: PLW2901
+                cells = cells[~away]
                 if not cells.size:
                     break
-                cells = cells.split_parameter(_widest(cells)) if m and turn % 2 else cells.split_frequency()  # noqa: PLW2901
+                cells = cells.split_parameter(_widest(cells)) if m and turn % 2 else cells.split_frequency()
                 if cells.size > MOST_CELLS:
                     return False
             if cells.size:
@@ -152,7 +149,7 @@ def _widest(cells: Cells) -> NDArray[np.int_]:
 
 
 def _off_zero(f: Wave, part: Part) -> NDArray[np.bool_]:
-    """Whether a line separates the values of f = p + jωq from 0: in the plane (p, q), or by p alone where ω may be 0."""
+    """Whether a line separates the values of f = p + jωq from 0: in the plane (p, q); by p alone where ω may be 0."""
     zero = f.x.constant(0)
     p, q = (side.shifted(0) if isinstance(side, Form) else zero for side in (f.p, f.q))
     if part is not Part.MIDDLE:

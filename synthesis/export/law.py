@@ -2,8 +2,8 @@
 
     τ_d = C (F M τ_int − F_θ (I_imp A + B_imp V + K_imp M) θ) + F_d (ΔI A_d + ΔB V_d + ΔK M_d) θ,   Δ = Ĝ⁻¹ − G_imp
 
-is (10)/(20) from the samples of τ_int and θ, with their means M and the encoder's differences V and A of `motion`. C and
-the filters are those of the certificate under Tustin's rule `s → c (z−1)/(z+1)`, `c = ω_B/tan(ω_B T/2)`: at ω_B, where
+is (10)/(20) from the samples of τ_int and θ, with their means M and differences V and A of `motion`. C and the filters
+are those of the certificate under Tustin's rule `s → c (z−1)/(z+1)`, `c = ω_B/tan(ω_B T/2)`: at ω_B, where
 the certificate's claims are tight, a discrete filter has exactly the response of the continuous one, and every stable
 mode stays stable.
 """
@@ -32,11 +32,15 @@ NEAR_NYQUIST = 0.5  # part of π/T beyond which Tustin's rule has little of the 
 
 @dataclass(frozen=True)
 class Law:
-    """The shipped controller; means are taken out of C and F_d. period [s]; nominal, desired: Ĝ⁻¹ and G_imp as rounded; no sections: a factor 1."""
+    """The shipped controller; means are taken out of C and F_d.
+
+    period [s]; prewarp: frequency [rad/s] at which discrete and continuous filters agree; nominal, desired: Ĝ⁻¹ and
+    G_imp as rounded. A cascade without sections is a factor 1.
+    """
 
     period: fmpq
     precision: str
-    prewarp: float  # frequency [rad/s] at which discrete and continuous filters agree
+    prewarp: float
     nominal: DynamicStiffness
     desired: DynamicStiffness
     error: Motion  # M, V, A before the compensator
@@ -75,7 +79,7 @@ class Law:
 
     @cached_property
     def back_calculation(self) -> fmpq:
-        """k of the anti-windup `e + k·(τ_sent − τ_d)`, a tick later: the largest of 1, 1/2, … with `1 + k z⁻¹ C` stable.
+        """k of the anti-windup `e + k·(τ_sent − τ_d)`, a tick later: largest of 1, 1/2, … with stable `1 + k z⁻¹ C`.
 
         With k = 1 and no delay a disturbance observer's C = Q/(1−Q) becomes Q, fed by the torque that was really sent.
         """

@@ -33,7 +33,6 @@ from ..problem.setting import LOAD, Setting
 from .law import Law
 from .motion import Motion
 
-
 WITHIN = 0.99  # part of π/T up to which frequency responses are proven: at π/T itself means of samples vanish
 
 
@@ -162,7 +161,7 @@ class SampledProver(CellProver):
 
     def _ends(self, constraint: Constraint) -> Iterator[Form]:
         """At ω = 0 alone: no claim reaches ω = ∞."""
-        low = next((cells for cells in self.axis(WHOLE) if cells.part is Part.LOW))
+        low = next(cells for cells in self.axis(WHOLE) if cells.part is Part.LOW)
         at = Cells(low.part, np.zeros((2, 1)), low.t[:, :, :1])
         joint = SampledJoint(self.family, at, self.law)
         loop, C, uncertainty = joint.setting.loop, joint.compensator, self.family.setting.uncertainty
