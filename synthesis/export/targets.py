@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib.resources import files
+from keyword import iskeyword
 from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
@@ -27,7 +28,10 @@ LAW = (
     "dI, dB, dK: nominal minus desired; q = z^-1, r of error (of compensated for M_d, V_d, A_d): M = ((1 + q)/2)^r, "
     "V = velocity (1 - q) times 3 - q, 1, 1 + q for r = 0, 1, 2, A = acceleration (1 - q)^2"
 )
-RESERVED = re.compile(r"[^A-Za-z0-9_]+")
+OTHERS = re.compile(r"[^A-Za-z0-9_]+")
+WORDS_OF_C = """auto break case char const continue default do double else enum extern float for goto if inline int long
+register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while"""
+TAKEN = {*WORDS_OF_C.split(), "real", "filtered", "zeroed", "settled", "started", "control", "main"}
 
 
 @dataclass(frozen=True)
@@ -50,8 +54,8 @@ class Subject:
     @property
     def identifier(self) -> str:
         """The same as an identifier of C and of Python."""
-        plain = RESERVED.sub("_", self.name).strip("_").lower() or "controller"
-        return plain if plain[0].isalpha() else f"joint_{plain}"
+        plain = OTHERS.sub("_", self.name).strip("_").lower()
+        return plain if plain[:1].isalpha() and plain not in TAKEN and not iskeyword(plain) else f"joint_{plain}"
 
     @property
     def delay(self) -> Fraction:
