@@ -72,6 +72,14 @@ class Subject:
         return f"sampling of the specification: a hold and {float(self.delay):g} s of computation delay"
 
 
+def demand_rate(target: str, rate: Fraction) -> None:
+    """Refuse a rate [Hz] that a target cannot say exactly. Raises: InputError."""
+    if target == "c" and (rate * 1000).denominator != 1:
+        raise InputError(f"--target c: the rate must be a whole number of mHz; found {float(rate)} Hz")
+    if target == "ros2" and rate.denominator != 1:
+        raise InputError(f"--target ros2: update_rate is a whole number of Hz; found {float(rate)} Hz")
+
+
 def files_of(subject: Subject, target: str) -> dict[str, str]:
     """Text of every file by its name."""
     return {**TARGETS[target](subject), "export.json": _json_text(subject)}
@@ -80,9 +88,6 @@ def files_of(subject: Subject, target: str) -> dict[str, str]:
 def _c(subject: Subject) -> dict[str, str]:
     law, spec, p = subject.law, subject.setting.spec, subject.identifier
     literal = _literal(law.precision)
-    millihertz = law.rate * 1000
-    if millihertz.denominator != 1:
-        raise InputError(f"--target c: the rate must be a whole number of mHz; found {float(law.rate)} Hz")
     filters = [
         {"name": name, "sections": [[literal(b) for b in (s.b0, s.b1, s.b2, s.a1, s.a2)] for s in cascade.sections]}
         for name, cascade in law.filters.items()
@@ -102,7 +107,7 @@ def _c(subject: Subject) -> dict[str, str]:
         "means": {law.error.r, law.compensated.r},
         "half": literal(0.5),
         "quarter": literal(0.25),
-        "millihertz": int(millihertz),
+        "millihertz": int(law.rate * 1000),
         "precision": law.precision,
         "real": law.precision,
         "version": subject.version,
@@ -211,8 +216,6 @@ def _control(subject: Subject) -> dict[str, str]:
 
 def _ros2(subject: Subject) -> dict[str, str]:
     law = subject.law
-    if law.rate.denominator != 1:
-        raise InputError(f"--target ros2: update_rate is a whole number of Hz; found {float(law.rate)} Hz")
     words = {
         "subject": subject,
         "lines": [each.line for each in subject.carried],
