@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from hashlib import sha256
 from importlib.resources import files
 from keyword import iskeyword
 from typing import Any
@@ -96,8 +97,9 @@ def _c(subject: Subject) -> dict[str, str]:
     ranges = subject.setting.impedances
     torque, angle = ("N*m", "rad") if spec.motion == "rotary" else ("N", "m")
     words: dict[str, Any] = {
-        "name": subject.name.replace("*/", ""),
+        "name": subject.name,
         "file": p,
+        "stamp": sha256(_json_text(subject).encode()).hexdigest()[:8],
         "p": p,
         "P": p.upper(),
         "rate": f"{float(law.rate):.17g}",

@@ -147,6 +147,15 @@ def test_other_rates_are_refused_at_start_and_at_compile_time(tmp_path: Path) ->
     assert "certified at 1000 Hz" in wrong.stderr
 
 
+def test_halves_of_two_exports_do_not_compile(tmp_path: Path) -> None:
+    made = built(tmp_path, JOINT)
+    source = (tmp_path / "joint.c").read_bytes()
+    built(tmp_path, JOINTS["order 4"])
+    assert made.compiled("joint.c", "-c").returncode == 0
+    (tmp_path / "joint.c").write_bytes(source)
+    assert "two different exports" in made.compiled("joint.c", "-c").stderr
+
+
 def test_reset_starts_again(tmp_path: Path) -> None:
     made = built(tmp_path, JOINTS["every filter"])
     samples = np.random.default_rng(4).standard_normal((200, 2))
