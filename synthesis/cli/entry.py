@@ -18,6 +18,7 @@ from ..interruption import Interruption, demand_none, remembered
 from .bound import bound
 from .check import check
 from .common import complain, discard, say, unwritable_output
+from .export import export
 from .identify import identify
 from .init import init
 from .map import map_
@@ -36,7 +37,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
-for command in (synth, check, simulate, bound, identify, report, init, schema):
+for command in (synth, check, simulate, bound, identify, report, export, init, schema):
     app.command()(command)
 app.command("map")(map_)
 

@@ -1,0 +1,214 @@
+"""The files of an export: C99, JSON, a Python module of `control` objects, parameters in the style of ros2_control."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, FunctionLoader, StrictUndefined
+
+from ...models.impedance import DynamicStiffness
+from ...models.rational import to_float
+from ..errors import InputError
+from ..problem.setting import LOAD, Setting
+from ..spec import number_text
+from .carried import Carried
+from .law import Law
+from .sections import DTYPE
+
+RESERVED = re.compile(r"[^A-Za-z0-9_]+")
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What is written, whatever the target. assumed_hold: the certificate is about the continuous controller."""
+
+    setting: Setting
+    law: Law
+    carried: tuple[Carried, ...]
+    certificate: str
+    spec_sha256: str
+    assumed_hold: bool
+    version: str
+
+    @property
+    def name(self) -> str:
+        """The specification's."""
+        return self.setting.spec.name
+
+    @property
+    def identifier(self) -> str:
+        """The same as an identifier of C and of Python."""
+        plain = RESERVED.sub("_", self.name).strip("_").lower() or "controller"
+        return plain if plain[0].isalpha() else f"joint_{plain}"
+
+    @property
+    def delay(self) -> Fraction:
+        """Computation delay [s] that was proven with."""
+        hold = self.setting.loop.actuator.hold
+        assert hold is not None
+        return Fraction(int(hold.delay.p), int(hold.delay.q))
+
+    @property
+    def timing(self) -> str:
+        """What is assumed about time, in words."""
+        if self.assumed_hold:
+            return "assumed, as the specification has no sampling: a hold and no computation delay"
+        return f"sampling of the specification: a hold and {float(self.delay):g} s of computation delay"
+
+
+def files_of(subject: Subject, target: str) -> dict[str, str]:
+    """Text of every file by its name."""
+    return {**TARGETS[target](subject), "export.json": _json_text(subject)}
+
+
+def _c(subject: Subject) -> dict[str, str]:
+    law, spec, p = subject.law, subject.setting.spec, subject.identifier
+    literal = _literal(law.precision)
+    millihertz = law.rate * 1000
+    if millihertz.denominator != 1:
+        raise InputError(f"--target c: the rate must be a whole number of mHz; found {float(law.rate)} Hz")
+    filters = [
+        {"name": name, "sections": [[literal(b) for b in (s.b0, s.b1, s.b2, s.a1, s.a2)] for s in cascade.sections]}
+        for name, cascade in law.filters.items()
+        if cascade.sections
+    ]
+    ranges = subject.setting.impedances
+    torque, angle = ("N*m", "rad") if spec.motion == "rotary" else ("N", "m")
+    words: dict[str, Any] = {
+        "name": subject.name.replace("*/", ""),
+        "file": p,
+        "p": p,
+        "P": p.upper(),
+        "rate": f"{float(law.rate):.17g}",
+        "rate_double": float(law.rate).hex(),
+        "rate_literal": literal(float(law.rate)),
+        "millihertz": int(millihertz),
+        "precision": law.precision,
+        "real": law.precision,
+        "version": subject.version,
+        "certificate": subject.certificate,
+        "spec_sha256": subject.spec_sha256,
+        "prewarp": f"{law.prewarp:.6g}",
+        "timing": subject.timing,
+        "delay": f"{float(subject.delay):g}" if subject.delay else "",
+        "claims": [each.line.replace("*/", "") for each in subject.carried],
+        "filters": filters,
+        "has": {name: len(cascade.sections) for name, cascade in law.filters.items()},
+        "settles": any(cascade.sections for name, cascade in law.filters.items() if name != "compensator"),
+        "nominal": _stiffness(law.nominal, literal),
+        "desired": _stiffness(law.desired, literal),
+        "back_calculation": literal(to_float(law.back_calculation)),
+        "ranges": {name: [literal(to_float(end)) for end in ends[:2]] for name, ends in ranges.items()},
+        "ranges_text": ", ".join(f"{k} {to_float(v[0]):g} to {to_float(v[1]):g}" for k, v in ranges.items()),
+        "fixed": [(k, i) for i, k in enumerate(LOAD) if k not in ranges],
+        "torque": torque,
+        "angle": angle,
+    }
+    return {f"{p}.{end}": _rendered(f"controller.{end}.j2", words) for end in ("h", "c")}
+
+
+def _stiffness(g: DynamicStiffness, literal: Callable[[float], str]) -> list[str]:
+    return [literal(to_float(getattr(g, name))) for name in LOAD]
+
+
+def _literal(precision: str) -> Callable[[float], str]:
+    """A number of C to the last bit."""
+    suffix = "f" if precision == "float" else ""
+    return lambda value: float(DTYPE[precision](value)).hex() + suffix
+
+
+def _rendered(template: str, words: dict[str, Any]) -> str:
+    def source(name: str) -> str:
+        return files(__package__).joinpath("templates", name).read_text(encoding="utf-8")
+
+    environment = Environment(
+        loader=FunctionLoader(source),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,  # noqa: S701 (C and Python, not HTML)
+    )
+    return environment.get_template(template).render(words)
+
+
+def _json_text(subject: Subject) -> str:
+    return json.dumps(document(subject), indent=1, ensure_ascii=False) + "\n"
+
+
+def document(subject: Subject) -> dict[str, Any]:
+    """`export.json`: the law, every number as the text that stands for it exactly, and the claims."""
+    law = subject.law
+    return {
+        "robimp_export": 1,
+        "name": subject.name,
+        "certificate": subject.certificate,
+        "spec_sha256": subject.spec_sha256,
+        "robimp": subject.version,
+        "rate": number_text(law.rate),
+        "delay": number_text(subject.delay),
+        "timing": subject.timing,
+        "precision": law.precision,
+        "form": "direct form II transposed; b0, b1, b2, a1, a2 of each section; doubles of 17 digits",
+        "law": "tau_d = C (F tau_int - F_theta (I D^2 + B D + K) theta) + F_d (nominal - desired) theta, "
+        "D = (1 - z^-1) rate",
+        "filters": {name: [_texts(s) for s in cascade.sections] for name, cascade in law.filters.items()},
+        "nominal": {name: repr(to_float(getattr(law.nominal, name))) for name in LOAD},
+        "desired": {name: repr(to_float(getattr(law.desired, name))) for name in LOAD},
+        "back_calculation": repr(to_float(law.back_calculation)),
+        "claims": [each.to_json() for each in subject.carried],
+    }
+
+
+def _texts(section: Any) -> list[str]:
+    return [repr(value) for value in (section.b0, section.b1, section.b2, section.a1, section.a2)]
+
+
+def _only_json(subject: Subject) -> dict[str, str]:
+    return {}
+
+
+def _control(subject: Subject) -> dict[str, str]:
+    law = subject.law
+    words = {
+        "subject": subject,
+        "lines": [each.line for each in subject.carried],
+        "period": repr(float(1 / law.rate)),
+        "rate": f"{float(law.rate):.17g}",
+        "filters": {name: [_texts(s) for s in cascade.sections] for name, cascade in law.filters.items()},
+        "nominal": [repr(to_float(getattr(law.nominal, name))) for name in LOAD],
+        "desired": [repr(to_float(getattr(law.desired, name))) for name in LOAD],
+    }
+    return {f"{subject.identifier}.py": _rendered("controller.py.j2", words)}
+
+
+def _ros2(subject: Subject) -> dict[str, str]:
+    law = subject.law
+    if law.rate.denominator != 1:
+        raise InputError(f"--target ros2: update_rate is a whole number of Hz; found {float(law.rate)} Hz")
+    words = {
+        "subject": subject,
+        "lines": [each.line for each in subject.carried],
+        "rate": int(law.rate),
+        "filters": {
+            name: [text for s in cascade.sections for text in _texts(s)] for name, cascade in law.filters.items()
+        },
+        "nominal": {name: repr(to_float(getattr(law.nominal, name))) for name in LOAD},
+        "desired": {name: repr(to_float(getattr(law.desired, name))) for name in LOAD},
+        "back_calculation": repr(to_float(law.back_calculation)),
+    }
+    return {f"{subject.identifier}.yaml": _rendered("controller.yaml.j2", words)}
+
+
+TARGETS: dict[str, Callable[[Subject], dict[str, str]]] = {
+    "c": _c,
+    "json": _only_json,
+    "control": _control,
+    "ros2": _ros2,
+}
