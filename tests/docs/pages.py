@@ -6,7 +6,7 @@
 | `python` | runs; all of a page share one namespace; a `text` block right below is what it prints |
 | any with `title="FILE"` | becomes that file; a specification (`robimp: 1`) must be accepted |
 | `yaml` without a title | its sections, put into examples/haninger2016-paper.yaml, must be accepted |
-| `diff` with `title="FILE"` | its `-` lines, with their context, must stand in that file once; they are replaced |
+| `diff` with `title="FILE"` | its `-` lines, with their context, must stand in that file once; they are replaced; `…` is the rest of a line |
 | after `<!-- not run: REASON -->` | nothing |
 
 In what is compared, `…` stands for anything on a line, and a line of its own for any lines. A command must succeed unless
@@ -158,7 +158,10 @@ class Page:
         path = self.folder / str(block.title)
         text = path.read_text(encoding="utf-8")
         for hunk in re.split(r"^@@.*\n", block.text, flags=re.MULTILINE):
-            old, new = ("".join(line[1:] for line in hunk.splitlines(True) if line[:1] in kept) for kept in (" -", " +"))
+            lines = hunk.splitlines(True)
+            old, new = (
+                re.sub("…\n?", "", "".join(line[1:] for line in lines if line[:1] in kept)) for kept in (" -", " +")
+            )
             if hunk and text.count(old) != 1:
                 raise block.wrong(f"{block.title} holds this {text.count(old)} times:\n{old}")
             text = text.replace(old, new)
