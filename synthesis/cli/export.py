@@ -85,7 +85,7 @@ def _say(done: Exported, written: list[str]) -> None:
 def _lost(done: Exported) -> str:
     short = [f"{each.id} {each.form}" for each in done.claims if each.required and each.status != "proven"]
     advice = (
-        "give the specification `sampling: {rate: …, delay: …}` and synthesise again, so that it is certified with the hold"
+        "give the specification `sampling: {rate: …, delay: …}` and synthesise again: then the hold is certified, too"
         if done.subject.assumed_hold
         else "ask the specification for some room, such as eq12: {form: structured, margin: 0.01}, or a higher rate"
     )

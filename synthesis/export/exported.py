@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from ...models.rational import exact
 from ...models.sampling import Hold
 from ..check import check_bytes
-from ..errors import ExitCode, InputError, MismatchError, RefutedError, RobimpError, UndecidedError
+from ..errors import ExitCode, InputError, Location, MismatchError, RefutedError, RobimpError, UndecidedError
 from ..interruption import demanding
 from ..problem.setting import Setting
 from ..spec import from_canonical
@@ -114,7 +114,7 @@ def export(
     _demand(target in TARGETS, f"--target: expected {', '.join(TARGETS)}; found {target}")
     _demand(precision in DTYPE, f"--precision: expected {', '.join(DTYPE)}; found {precision}")
     progress = demanding(progress)
-    data = certificate if isinstance(certificate, bytes) else Path(certificate).read_bytes()
+    data = certificate if isinstance(certificate, bytes) else _read(Path(certificate))
     progress("checking the certificate")
     checked = check_bytes(data, time_limit=time_limit)
     if checked.exit_code != ExitCode.PROVEN:
@@ -140,6 +140,13 @@ def export(
     )
 
 
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(f"file: cannot be read: {error.strerror or error}", Location(str(path))) from error
+
+
 def _sampled(setting: Setting, rate: Fraction | int | None) -> tuple[Setting, Fraction]:
     """The setting with the hold of the exported controller, and its rate [Hz]. Raises: InputError."""
     sampling = setting.spec.sampling
@@ -151,7 +158,9 @@ def _sampled(setting: Setting, rate: Fraction | int | None) -> tuple[Setting, Fr
             )
         return setting, sampling.rate
     if rate is None:
-        raise InputError("--rate: the specification has no `sampling`; say the rate of your control loop, --rate '1 kHz'")
+        raise InputError(
+            "--rate: the specification has no `sampling`; say the rate of your control loop, --rate '1 kHz'"
+        )
     _demand(rate > 0, "--rate: expected samples per second, above 0")
     hold = Hold(1 / exact(Fraction(rate)), exact(0))
     loop = replace(setting.loop, actuator=replace(setting.loop.actuator, hold=hold))

@@ -2,8 +2,8 @@
 
     τ_d = C (F M τ_int − F_θ (I_imp A + B_imp V + K_imp M) θ) + F_d (ΔI A_d + ΔB V_d + ΔK M_d) θ,   Δ = Ĝ⁻¹ − G_imp
 
-is (10)/(20) from the samples of τ_int and θ, with their means M and the encoder's differences V and A of `motion`. C and
-the filters are those of the certificate under Tustin's rule `s → c (z−1)/(z+1)`, `c = ω_B/tan(ω_B T/2)`: at ω_B, where
+is (10)/(20) from the samples of τ_int and θ, with their means M and differences V and A of `motion`. C and the filters
+are those of the certificate under Tustin's rule `s → c (z−1)/(z+1)`, `c = ω_B/tan(ω_B T/2)`: at ω_B, where
 the certificate's claims are tight, a discrete filter has exactly the response of the continuous one, and every stable
 mode stays stable.
 """
@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import pi, tan
+from typing import Any
 
 from flint import fmpq, fmpq_poly
 
@@ -31,11 +32,15 @@ NEAR_NYQUIST = 0.5  # part of π/T beyond which Tustin's rule has little of the 
 
 @dataclass(frozen=True)
 class Law:
-    """The shipped controller; means are taken out of C and F_d. period [s]; nominal, desired: Ĝ⁻¹ and G_imp as rounded; no sections: a factor 1."""
+    """The shipped controller; means are taken out of C and F_d.
+
+    period [s]; prewarp: frequency [rad/s] at which discrete and continuous filters agree; nominal, desired: Ĝ⁻¹ and
+    G_imp as rounded. A cascade without sections is a factor 1.
+    """
 
     period: fmpq
     precision: str
-    prewarp: float  # frequency [rad/s] at which discrete and continuous filters agree
+    prewarp: float
     nominal: DynamicStiffness
     desired: DynamicStiffness
     error: Motion  # M, V, A before the compensator
@@ -56,9 +61,25 @@ class Law:
         names = ("compensator", "force", "position", "derivative")
         return {name: getattr(self, name) for name in names}
 
+    def feedback(self, end: str, at: Any, wish: Any, compensation: Any) -> tuple[Any, Any]:
+        """`−τ_d` per θ in free motion, per τ_sea against a rigid wall: numerator and denominator.
+
+        at: turns a polynomial of z⁻¹ into what is calculated with; wish, compensation: `M (I θ'' + B θ' + K θ)` of
+        G_imp and of Ĝ⁻¹ − G_imp, in the same kind.
+        """
+        C, F, F_theta, F_d = self.compensator, self.force, self.position, self.derivative
+        if end == "locked":
+            return at(C.num * self.error.M * F.num), at(C.den * F.den)
+        error, inner = at(C.num * F_theta.num * F_d.den) * wish, at(F_d.num * C.den * F_theta.den) * compensation
+        return error - inner, at(C.den * F_theta.den * F_d.den)
+
+    def idle(self, end: str) -> fmpq_poly:
+        """Denominators of the filters outside that loop, of z⁻¹."""
+        return self.force.den if end == "free" else self.position.den * self.derivative.den
+
     @cached_property
     def back_calculation(self) -> fmpq:
-        """k of the anti-windup `e + k·(τ_sent − τ_d)`, a tick later: the largest of 1, 1/2, … with `1 + k z⁻¹ C` stable.
+        """k of the anti-windup `e + k·(τ_sent − τ_d)`, a tick later: largest of 1, 1/2, … with stable `1 + k z⁻¹ C`.
 
         With k = 1 and no delay a disturbance observer's C = Q/(1−Q) becomes Q, fed by the torque that was really sent.
         """

@@ -15,9 +15,11 @@ from ..certificate.claim import Claim, claim_of
 from ..certificate.enclosure.band import prove_bandwidth
 from ..certificate.enclosure.joint import family_of
 from ..certificate.outcome import Outcome
+from ..certificate.stability import MODES
 from ..problem.constraints import constraints
 from ..problem.constraints.inequality import Constraint
 from ..problem.setting import Setting
+from .box import Box
 from .carried import Carried
 from .law import Law
 from .pulse import prove_sampled
@@ -43,6 +45,10 @@ class Reproof:
         return SampledProver(family_of(self.setting, self.C), law=self.law)
 
     @cached_property
+    def _nominal(self) -> dict[str, Claim]:
+        return {end: prove_sampled(self.setting, self.law, end) for end in MODES}
+
+    @cached_property
     def band(self) -> Claim:
         """The bandwidth that is left."""
         return prove_bandwidth(self.prover)
@@ -55,8 +61,10 @@ class Reproof:
         if kind[0].startswith("stability"):
             end = kind[0].removeprefix("stability-")
             if kind[1] in NOMINAL:
-                return replace(left, claim=prove_sampled(self.setting, self.law, end))
-            return replace(left, note="box")
+                return replace(left, claim=self._nominal[end])
+            if self._nominal[end].status is not Outcome.PROVEN:
+                return replace(left, note="the nominal loop is not proven stable")
+            return replace(left, claim=Box(family_of(self.setting, self.C), self.law, end).prove(margin))
         if kind[0] == "tolerance":
             return replace(left, required=False, note=NOT_NEEDED)
         if kind == ("eq12", "paper"):

@@ -84,17 +84,11 @@ def characteristic(setting: Setting, law: Law, end: str, load: DynamicStiffness)
     """The characteristic polynomial of z in free motion or against a rigid wall, every mode counted."""
     port, hold = setting.loop.actuator, setting.loop.actuator.hold
     assert hold is not None
-    C, F, F_theta, F_d = law.compensator, law.force, law.position, law.derivative
-    if end == "free":
-        joint = pulse(port.h, port.d * load.polynomial + port.z, hold)
-        wish = law.error.stiffness(law.desired)
-        compensation = law.compensated.stiffness(law.nominal) - law.compensated.stiffness(law.desired)
-        feedback = C.num * F_theta.num * wish * F_d.den - F_d.num * compensation * C.den * F_theta.den
-        behind, idle = C.den * F_theta.den * F_d.den, F.den
-    else:
-        joint = pulse(port.h, port.d, hold)
-        feedback, behind, idle = C.num * law.error.M * F.num, C.den * F.den, F_theta.den * F_d.den
-    degree = max(feedback.degree(), behind.degree())
+    wish = law.error.stiffness(law.desired)
+    compensation = law.compensated.stiffness(law.nominal) - law.compensated.stiffness(law.desired)
+    feedback, behind = law.feedback(end, lambda p: p, wish, compensation)
+    joint = pulse(port.h, port.d if end == "locked" else port.d * load.polynomial + port.z, hold)
+    degree, idle = max(feedback.degree(), behind.degree()), law.idle(end)
     closed = joint.den * _in_z(behind, degree) + joint.num * _in_z(feedback, degree)
     return closed * _in_z(idle, idle.degree())
 
@@ -113,8 +107,8 @@ def prove_sampled(setting: Setting, law: Law, end: str) -> Claim:
     """Nominal stability of the sampled loop, with the rate [1/s] at which every mode decays at least."""
     load, T = setting.loop.nominal, law.period
     proven, refuted, status = None, None, Outcome.UNDECIDED
-    for precision in PRECISIONS:
-        with _precision(precision):
+    for bits in PRECISIONS:
+        with precision(bits):
             p = characteristic(setting, law, end, load)
             stable = decays(p)
             if stable is None:
@@ -152,7 +146,8 @@ def _rate(p: arb_poly, period: fmpq) -> tuple[Fraction, Refutation | None]:
 
 
 @contextmanager
-def _precision(bits: int) -> Iterator[None]:
+def precision(bits: int) -> Iterator[None]:
+    """Ball arithmetic with so many bits, meanwhile."""
     before = ctx.prec
     ctx.prec = bits
     try:

@@ -33,7 +33,6 @@ from ..problem.setting import LOAD, Setting
 from .law import Law
 from .motion import Motion
 
-
 WITHIN = 0.99  # part of π/T up to which frequency responses are proven: at π/T itself means of samples vanish
 
 
@@ -90,13 +89,33 @@ class SampledJoint(JointOnCells):
         return value
 
     @cached_property
-    def setting(self) -> Setting:
-        """The setting on the cells, its controller the shipped one."""
-        setting, law = super().setting, self.law
+    def stiffnesses(self) -> tuple[Wave, Wave]:
+        """`M (I θ'' + B θ' + K θ)` per θ, of G_imp before C and of Ĝ⁻¹ − G_imp before F_d."""
+        law = self.law
         desired = {k: self._number(f"impedance.{k}", getattr(law.desired, k)) for k in LOAD}
-        wish = self._stiffness(law.error, desired)
         own = {k: getattr(law.nominal, k) for k in LOAD}
         compensated = self._stiffness(law.compensated, own) - self._stiffness(law.compensated, desired)
+        return self._stiffness(law.error, desired), compensated
+
+    def characteristic(self, end: str) -> tuple[Wave, Wave, Wave, Wave]:
+        """Of the loop without its hold: joint numerator and denominator, feedback numerator and denominator."""
+        port, nominal = self.unshipped.loop.actuator, self.family.setting.loop.nominal
+        feedback, behind = self.law.feedback(end, self.discrete, *self.stiffnesses)
+        if end == "locked":
+            return port.h, port.d, feedback, behind
+        load = DynamicStiffness(**{k: self._number(f"load.{k}", getattr(nominal, k)) for k in LOAD}, s=self.s)
+        return port.h, port.d * load.polynomial + port.z, feedback, behind
+
+    @cached_property
+    def unshipped(self) -> Setting:
+        """The setting on the cells with the continuous controller."""
+        return JointOnCells(self.family, self.cells).setting
+
+    @cached_property
+    def setting(self) -> Setting:
+        """The setting on the cells, its controller the shipped one."""
+        setting, law = self.unshipped, self.law
+        wish, compensated = self.stiffnesses
         F, F_theta, F_d = law.force, law.position, law.derivative
         ratio = self.discrete(F_theta.num * F.den) / self.discrete(F_theta.den * F.num * law.error.M)
         derivative = self.discrete(F_d.num) / self.discrete(F_d.den)
@@ -142,7 +161,7 @@ class SampledProver(CellProver):
 
     def _ends(self, constraint: Constraint) -> Iterator[Form]:
         """At ω = 0 alone: no claim reaches ω = ∞."""
-        low = next((cells for cells in self.axis(WHOLE) if cells.part is Part.LOW))
+        low = next(cells for cells in self.axis(WHOLE) if cells.part is Part.LOW)
         at = Cells(low.part, np.zeros((2, 1)), low.t[:, :, :1])
         joint = SampledJoint(self.family, at, self.law)
         loop, C, uncertainty = joint.setting.loop, joint.compensator, self.family.setting.uncertainty

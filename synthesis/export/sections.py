@@ -78,7 +78,7 @@ def sections_of(num: fmpq_poly, den: fmpq_poly, c: fmpq, precision: str, means: 
     gain = to_float(num(c) / den(c)) * 2**means  # z = ∞ is s = c
     if not poles:
         return Sections((_rounded(np.array([gain, 0, 0, 1, 0, 0]), precision),))
-    rows = _ordered([row for row in zpk2sos(zeros, poles, 1.0)], gain)
+    rows = _ordered(list(zpk2sos(zeros, poles, 1.0)), gain)
     return Sections(tuple(_rounded(row, precision) for row in rows))
 
 

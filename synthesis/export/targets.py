@@ -19,8 +19,14 @@ from ..problem.setting import LOAD, Setting
 from ..spec import number_text
 from .carried import Carried
 from .law import Law
+from .motion import Motion
 from .sections import DTYPE
 
+LAW = (
+    "tau_d = C (F M tau_int - F_theta (I A + B V + K M) theta) + F_d (dI A_d + dB V_d + dK M_d) theta; "
+    "dI, dB, dK: nominal minus desired; q = z^-1, r of error (of compensated for M_d, V_d, A_d): M = ((1 + q)/2)^r, "
+    "V = velocity (1 - q) times 3 - q, 1, 1 + q for r = 0, 1, 2, A = acceleration (1 - q)^2"
+)
 RESERVED = re.compile(r"[^A-Za-z0-9_]+")
 
 
@@ -87,7 +93,11 @@ def _c(subject: Subject) -> dict[str, str]:
         "P": p.upper(),
         "rate": f"{float(law.rate):.17g}",
         "rate_double": float(law.rate).hex(),
-        "rate_literal": literal(float(law.rate)),
+        "error": _motion(law.error, literal),
+        "compensated": _motion(law.compensated, literal),
+        "means": {law.error.r, law.compensated.r},
+        "half": literal(0.5),
+        "quarter": literal(0.25),
         "millihertz": int(millihertz),
         "precision": law.precision,
         "real": law.precision,
@@ -117,6 +127,11 @@ def _stiffness(g: DynamicStiffness, literal: Callable[[float], str]) -> list[str
     return [literal(to_float(getattr(g, name))) for name in LOAD]
 
 
+def _motion(motion: Motion, literal: Callable[[float], str]) -> dict[str, Any]:
+    values = {name: literal(to_float(getattr(motion, name))) for name in ("velocity", "acceleration")}
+    return {"r": motion.r, **values}
+
+
 def _literal(precision: str) -> Callable[[float], str]:
     """A number of C to the last bit."""
     suffix = "f" if precision == "float" else ""
@@ -133,7 +148,7 @@ def _rendered(template: str, words: dict[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        autoescape=False,  # noqa: S701 (C and Python, not HTML)
+        autoescape=False,
     )
     return environment.get_template(template).render(words)
 
@@ -156,8 +171,9 @@ def document(subject: Subject) -> dict[str, Any]:
         "timing": subject.timing,
         "precision": law.precision,
         "form": "direct form II transposed; b0, b1, b2, a1, a2 of each section; doubles of 17 digits",
-        "law": "tau_d = C (F tau_int - F_theta (I D^2 + B D + K) theta) + F_d (nominal - desired) theta, "
-        "D = (1 - z^-1) rate",
+        "law": LAW,
+        "error": _motion(law.error, repr),
+        "compensated": _motion(law.compensated, repr),
         "filters": {name: [_texts(s) for s in cascade.sections] for name, cascade in law.filters.items()},
         "nominal": {name: repr(to_float(getattr(law.nominal, name))) for name in LOAD},
         "desired": {name: repr(to_float(getattr(law.desired, name))) for name in LOAD},
@@ -180,6 +196,7 @@ def _control(subject: Subject) -> dict[str, str]:
         "subject": subject,
         "lines": [each.line for each in subject.carried],
         "period": repr(float(1 / law.rate)),
+        "motions": {name: _motion(getattr(law, name), repr) for name in ("error", "compensated")},
         "rate": f"{float(law.rate):.17g}",
         "filters": {name: [_texts(s) for s in cascade.sections] for name, cascade in law.filters.items()},
         "nominal": [repr(to_float(getattr(law.nominal, name))) for name in LOAD],
@@ -196,6 +213,7 @@ def _ros2(subject: Subject) -> dict[str, str]:
         "subject": subject,
         "lines": [each.line for each in subject.carried],
         "rate": int(law.rate),
+        "motions": {name: _motion(getattr(law, name), repr) for name in ("error", "compensated")},
         "filters": {
             name: [text for s in cascade.sections for text in _texts(s)] for name, cascade in law.filters.items()
         },

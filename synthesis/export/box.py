@@ -1,0 +1,165 @@
+"""Stability of the sampled loop for every joint of the boxes: no root reaches the unit circle.
+
+With the nominal loop proven stable, exactly, none does if the characteristic function f ≠ 0 at z = e^{jωT} for every ω
+in [0, π/T] and every parameter. There the joint answers with its frequency response behind the hold, and with all
+aliases at ω ± 2πk/T, which are bounded:
+
+    f = (joint denominator)·(law denominator) + (law numerator)·((joint numerator)·hold + (joint denominator)·R),
+    |R| ≤ ω κ ζ(3) (1/(ω_s − ω)³ + 1/ω_s³),   κ ≥ ω² |joint| from π/T on,   ω_s = 2π/T
+
+as |hold| ≤ ω/|ω_k| at the k-th alias ω_k. f is affine in load and impedance: on a cell it fills a zonotope.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import islice, product
+from math import pi
+from typing import TYPE_CHECKING
+
+import numpy as np
+from flint import fmpq
+
+from ..certificate.claim import Claim, Refutation
+from ..certificate.enclosure.cells import Cells, Part, axis
+from ..certificate.enclosure.claims import EVERY
+from ..certificate.enclosure.form import Form
+from ..certificate.enclosure.joint import Family
+from ..certificate.enclosure.wave import Wave
+from ..certificate.outcome import Outcome
+from ..certificate.stability import MODES
+from ..certificate.witness import Witness, short
+from ..problem.constraints.inequality import WHOLE
+from ..problem.grid import frequency_scale
+from .law import Law
+from .pulse import characteristic, decays, precision
+from .sampled_joint import SampledJoint
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+START, ROUNDS, MOST_CELLS = 600, 24, 60_000
+ZETA_3 = 1.2020570
+SHARES = (0.99, 0.9, 0.7, 0.5)  # of the certificate's margin that are tried
+MOST_VERTICES = 64
+ABOVE = 1 + 1e-12  # for roundings of single steps
+
+
+@dataclass(frozen=True)
+class Box:
+    """Every joint of a family's boxes, at one end (free or locked), under one law. C: for the parameters' names."""
+
+    family: Family
+    law: Law
+    end: str
+
+    def prove(self, certified: Fraction | None) -> Claim:
+        """Whether the box is stable, stretched by as much of the certified factor as is reached; or where it is not."""
+        stretched = [short(float(certified or 0) * share, up=False) for share in SHARES]
+        levels = [v for v in stretched if v > 1] + [Fraction(1)]
+        proven = next((v for v in levels if self.excluded(v)), None)
+        unstable = None if proven else next(self._unstable(), None)
+        status = Outcome.PROVEN if proven else Outcome.UNDECIDED if unstable is None else Outcome.REFUTED
+        return Claim(
+            id=f"stability-{self.end}",
+            equation=MODES[self.end][0],
+            form="box",
+            statement=f"{MODES[self.end][1]} of the sampled loop decays for every joint of the boxes, stretched by v, "
+            "aliases included",
+            uncertainty=EVERY[self.end],
+            interval=WHOLE,
+            required=True,
+            status=status,
+            margin=proven,
+            refuted_at=None if unstable is None else Refutation(Fraction(1), unstable),
+        )
+
+    @np.errstate(all="ignore")
+    def excluded(self, spread: Fraction) -> bool:
+        """Whether f ≠ 0 on the whole circle for every joint of the box stretched by a factor."""
+        setting = self.family.setting
+        unheld = replace(setting, loop=replace(setting.loop, actuator=replace(setting.loop.actuator, hold=None)))
+        family = replace(self.family, setting=unheld, spread=spread, loads=True)
+        m, rate = len(family.parameters), float(self.law.rate)
+        last = short(pi * rate, digits=15, up=True)
+        kappa = self._kappa(family, pi * rate * (1 - 1e-9))
+        if not np.isfinite(kappa):
+            return False
+        low = frequency_scale(setting)[0] / 30
+        for cells in axis(min(low, rate), float(last) * 2, m, START, (Fraction(0), last)):
+            for turn in range(ROUNDS):
+                away = _off_zero(self._f(family, cells, kappa), cells.part)
+                cells = cells[~away]
+                if not cells.size:
+                    break
+                cells = cells.split_parameter(_widest(cells)) if m and turn % 2 else cells.split_frequency()
+                if cells.size > MOST_CELLS:
+                    return False
+            if cells.size:
+                return False
+        return True
+
+    def _f(self, family: Family, cells: Cells, kappa: float) -> Wave:
+        """The characteristic function with its aliases."""
+        joint, omega_s = SampledJoint(family, cells, self.law), 2 * pi * float(self.law.rate)
+        hold = self.family.setting.loop.actuator.hold
+        assert hold is not None
+        num, den, feedback, behind = joint.characteristic(self.end)
+        high = cells.z[1] * ABOVE
+        R = ABOVE * kappa * ZETA_3 * (1 / (omega_s * (1 - 1e-12) - high) ** 3 + 1 / (omega_s * (1 - 1e-12)) ** 3)
+        aliases = Wave(cells.ball(-high * R, high * R), cells.ball(-R, R), joint.s.x)
+        return den * behind + feedback * (num * cells.hold(hold) + den * aliases)
+
+    def _kappa(self, family: Family, start: float) -> float:
+        """A bound of `ω² |joint|` from a frequency on."""
+        cells = Cells.whole(Part.HIGH, np.array([[0.0], [1 / start]]), len(family.parameters))
+        for _ in range(8):
+            joint = SampledJoint(family, cells, self.law)
+            num, den, _, _ = joint.characteristic(self.end)
+            size = abs(num * joint.s.x / den)
+            bound = size.shifted(min(size.order, 0)).upper if size.order >= 0 else np.array([np.inf])
+            if np.isfinite(bound).all():
+                return float(bound.max())
+            cells = cells.split_frequency()
+        return np.inf
+
+    def _unstable(self) -> Iterator[Witness]:
+        """Vertices of the boxes whose sampled loop is proven unstable."""
+        ranges = replace(self.family, loads=True).parameters
+        for ends in islice(product(*ranges.values()), MOST_VERTICES):
+            values = dict(zip(ranges, ends, strict=True))
+            load, wish = (self._numbers(values, part) for part in ("load", "impedance"))
+            setting = self.family.setting.at({k: v for k, v in values.items() if k.startswith("actuator.")})
+            with precision(1024):
+                law = replace(self.law, desired=replace(self.law.desired, **wish))
+                at = replace(setting.loop.nominal, **load)
+                stable = decays(characteristic(setting, law, self.end, at))
+            if stable is False:
+                yield Witness(None, at if load else None)
+
+    @staticmethod
+    def _numbers(values: dict[str, fmpq], part: str) -> dict[str, fmpq]:
+        return {name.split(".")[1]: value for name, value in values.items() if name.startswith(part)}
+
+
+def _widest(cells: Cells) -> NDArray[np.int_]:
+    return np.asarray(np.argmax(cells.t[1] - cells.t[0], axis=0))
+
+
+def _off_zero(f: Wave, part: Part) -> NDArray[np.bool_]:
+    """Whether a line separates the values of f = p + jωq from 0: in the plane (p, q); by p alone where ω may be 0."""
+    zero = f.x.constant(0)
+    p, q = (side.shifted(0) if isinstance(side, Form) else zero for side in (f.p, f.q))
+    if part is not Part.MIDDLE:
+        return np.asarray((p.lower > 0) | (p.upper < 0))
+    unit = np.maximum(np.abs(q.c).max(axis=0), 1e-300) / np.maximum(np.abs(p.c).max(axis=0), 1e-300)
+    a, b, a_rho, b_rho = p.c * unit, q.c, p.rho * unit, q.rho  # of one size, or directions lose their digits
+    away = np.zeros(a.shape[1], dtype=bool)
+    for u, v in [(a[0], b[0]), *((b[i], -a[i]) for i in range(1, len(a)))]:
+        along = u * a + v * b
+        sizes = np.abs(u) * np.abs(a).sum(axis=0) + np.abs(v) * np.abs(b).sum(axis=0)
+        reach = np.abs(along[1:]).sum(axis=0) + np.abs(u) * a_rho + np.abs(v) * b_rho
+        away |= np.abs(along[0]) > reach * (1 + 1e-9) + 1e-12 * sizes
+    return away
