@@ -13,7 +13,7 @@ test: .venv/installed
 
 # Into build/docs, without network; every warning is an error.
 docs: .venv/installed
-	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build -q
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
 
 # The full sizes of tests/evidence; a part of the mutants of the checker is tried for BUDGET seconds.
 BUDGET ?= 600

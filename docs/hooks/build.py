@@ -1,4 +1,7 @@
-"""What the build needs besides MkDocs: formulas as MathML, so no script is fetched, and the packages by their names."""
+"""What the build needs besides MkDocs: formulas as MathML, so no script is fetched, and the packages by their names.
+
+`<!-- public names -->` becomes the reference of every name that `robimp.synthesis` exports.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from latex2mathml.converter import convert
+
+from robimp import synthesis
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[\(\[](.*?)\\[\)\]]</\1>', re.DOTALL)
 ROOT = Path(__file__).parents[2]
@@ -31,6 +36,12 @@ def on_config(config: Any) -> Any:
         if not (names / folder).exists():
             (names / folder).symlink_to(ROOT / folder, target_is_directory=True)
     return config
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Called by MkDocs with every page's source."""
+    names = sorted(synthesis.__all__, key=lambda name: (name[0].isupper(), name))
+    return markdown.replace("<!-- public names -->", "\n\n".join(f"::: robimp.synthesis.{name}" for name in names))
 
 
 def on_page_content(html: str, **_: Any) -> str:
