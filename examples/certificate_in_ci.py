@@ -1,7 +1,7 @@
 """A certificate checked in continuous integration: what passes, and what stops a push.
 
-examples/ci/ is what a repository keeps: the specification, its certificate, and the workflow that compares them at every
-push. Expected: the exit codes, which are frozen.
+examples/ci/ is what a repository keeps: the specification, its certificate, and the workflow that compares them at
+every push. Expected: the exit codes, which are frozen.
 """
 
 from __future__ import annotations

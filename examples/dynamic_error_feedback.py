@@ -1,7 +1,7 @@
-"""Dynamic-error feedback (20) as the paper ran it, C_imp = 2.5 with a filter on τ_int only, and with the same filter on θ.
+"""Dynamic-error feedback (20) as the paper ran it, C_imp = 2.5 with a filter on τ_int only, and with the same on θ.
 
-With one filter the two channels disagree: the port renders the wish badly, and it is not passive. Expected: |Z/G_imp − 1|
-as the simulation measures it, which integrates the physics and knows no transfer function.
+With one filter the two channels disagree: the port renders the wish badly, and it is not passive. Expected:
+|Z/G_imp − 1| as the simulation measures it, which integrates the physics and knows no transfer function.
 """
 
 from __future__ import annotations
@@ -25,7 +25,11 @@ def compare() -> list[Row]:
     return [
         ("filter on τ_int only: exit code, not passive", unequal.exit_code, 4),
         ("  |Z/G_imp − 1| up to ω_B, proven and measured", margin(unequal.certificate, *RENDERING), measured(unequal)),
-        ("same filter on θ: |Z/G_imp − 1|, proven and measured", margin(equal.certificate, *RENDERING), measured(equal)),
+        (
+            "same filter on θ: |Z/G_imp − 1|, proven and measured",
+            margin(equal.certificate, *RENDERING),
+            measured(equal),
+        ),
     ]
 
 

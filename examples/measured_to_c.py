@@ -1,7 +1,7 @@
 """From measured frequency responses to C code: identify, certify, export, compile (needs a C compiler, `cc`).
 
-measured/frf/ holds six sweeps of a load that is never quite the same. Expected: the load's mean parameters, which the
-simulation behind the sweeps knows; and the difference equation of the exported controller, written out below with NumPy.
+measured/frf/ holds six sweeps of a load that is never quite the same. Expected: the mean inertia, which the simulation
+behind the sweeps knows; and the difference equation of the exported controller, written out below with NumPy.
 """
 
 from __future__ import annotations
@@ -76,8 +76,9 @@ def numpy(code: Exported, samples: np.ndarray) -> np.ndarray:
     rate = float(law.rate)
     velocity = np.diff(theta, prepend=theta[0]) * rate
     acceleration = np.diff(velocity, prepend=0) * rate
-    def torque(I: float, B: float, K: float) -> np.ndarray:
-        return I * acceleration + B * velocity + K * theta
+
+    def torque(inertia: float, damping: float, stiffness: float) -> np.ndarray:
+        return inertia * acceleration + damping * velocity + stiffness * theta
 
     wish, nominal = (
         np.array([float(Fraction(str(value))) for value in (g.inertia, g.damping, g.stiffness)])

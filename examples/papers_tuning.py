@@ -1,4 +1,4 @@
-"""The paper's own tuning, certified as it is: passive with one of the two impedances of its Fig. 12, not with the other.
+"""The paper's own tuning, certified as it is: passive with one of the impedances of its Fig. 12, not with the other.
 
 Expected: Re(Z/jω) and its frequency as a dense grid in floating point sees them.
 """

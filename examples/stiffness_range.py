@@ -1,7 +1,7 @@
 """One Q for every stiffness from 0.2 to 10 N·m/rad, as in the paper's Fig. 10; sampled, delayed, in single precision.
 
-Expected: the stiffnesses the paper rendered with one tuning, 10 being above that of its spring (4.8), and what a change of
-stiffness alone does to the bandwidth: nothing, because Q̃ depends neither on the load nor on the impedance.
+Expected: the stiffnesses the paper rendered with one tuning, 10 being above that of its spring (4.8), and what a change
+of stiffness alone does to the bandwidth: nothing, because Q̃ depends neither on the load nor on the impedance.
 """
 
 from __future__ import annotations

@@ -95,7 +95,11 @@ def test_a_recorded_certificate_is_named_as_its_specification(path: Path) -> Non
 
 def test_an_example_runs_as_a_script_from_any_folder(tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, str(EXAMPLES / "certificate_in_ci.py")], cwd=tmp_path, capture_output=True, text=True, timeout=60
+        [sys.executable, str(EXAMPLES / "certificate_in_ci.py")],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=60,
     )
     assert done.returncode == 0, done.stderr
     assert len(done.stdout.splitlines()) == 5 and "expected" in done.stdout.splitlines()[0]

@@ -6,11 +6,11 @@
 | `python` | runs; all of a page share one namespace; a `text` block right below is what it prints |
 | any with `title="FILE"` | becomes that file; a specification (`robimp: 1`) must be accepted |
 | `yaml` without a title | its sections, put into examples/haninger2016-paper.yaml, must be accepted |
-| `diff` with `title="FILE"` | its `-` lines, with their context, must stand in that file once; they are replaced; `…` is the rest of a line |
+| `diff` with `title="FILE"` | its `-` lines and context stand there once, and are replaced; `…`: rest of a line |
 | after `<!-- not run: REASON -->` | nothing |
 
-In what is compared, `…` stands for anything on a line, and a line of its own for any lines. A command must succeed unless
-the next one is `echo $?`. Whatever else has a fence, or is indented as code, is an error: no block escapes.
+In what is compared, `…` stands for anything on a line, and a line of its own for any lines. A command must succeed
+unless the next one is `echo $?`. Whatever else has a fence, or is indented as code, is an error: no block escapes.
 """
 
 from __future__ import annotations

@@ -21,7 +21,9 @@ FETCHED = re.compile(r"""<(?:script|link|img|iframe)[^>]*?(?:src|href)=["']?((?:
 def build(configuration: Path, site: Path) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "mkdocs", "build", "-f", str(configuration), "-d", str(site)]
     environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1", "http_proxy": "localhost:9", "https_proxy": "localhost:9"}
-    return subprocess.run(command, cwd=configuration.parent, env=environment, capture_output=True, text=True, timeout=120)
+    return subprocess.run(
+        command, cwd=configuration.parent, env=environment, capture_output=True, text=True, timeout=120
+    )
 
 
 @pytest.fixture(scope="module")
@@ -48,7 +50,9 @@ def test_formulas_are_drawn_by_the_browser(site: dict[str, str]) -> None:
     assert sum(page.count("<math") for page in theory) > 100
     left = re.compile(r'class="arithmatex"|\\(?:frac|text|omega|tilde|operatorname)\b')
     assert left.search(r"\frac{1}{2}")
-    assert [name for name, page in site.items() if left.search(re.sub(r"<code.*?</code>", "", page, flags=re.DOTALL))] == []
+    assert [
+        name for name, page in site.items() if left.search(re.sub(r"<code.*?</code>", "", page, flags=re.DOTALL))
+    ] == []
 
 
 def test_every_public_name_is_in_the_reference(site: dict[str, str]) -> None:
@@ -62,7 +66,9 @@ def test_a_link_to_nowhere_stops_the_build(tmp_path: Path) -> None:
     (tmp_path / "docs").mkdir()
     text = (tmp_path / "mkdocs.yml").read_text(encoding="utf-8")
     head, rest = text.split("nav:\n")
-    (tmp_path / "mkdocs.yml").write_text(f"{head}nav: [index.md]\n" + rest[rest.index("exclude_docs") :], encoding="utf-8")
+    (tmp_path / "mkdocs.yml").write_text(
+        f"{head}nav: [index.md]\n" + rest[rest.index("exclude_docs") :], encoding="utf-8"
+    )
     for folder in ("hooks", "style"):
         shutil.copytree(ROOT / "docs" / folder, tmp_path / "docs" / folder)
     for package in ("models", "synthesis"):

@@ -8,7 +8,12 @@ from pathlib import Path
 import pytest
 from pages import ROOT, SOURCES, Block, Page, WrongBlockError, blocks, matches
 
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    ROOT / "examples" / "README.md",
+    *sorted((ROOT / "docs").rglob("*.md")),
+]
 NAMES = [str(page.relative_to(ROOT)) for page in PAGES]
 
 
@@ -86,5 +91,8 @@ def test_an_ellipsis_stands_for_no_more_than_it_says() -> None:
 
 def test_blocks_are_found_where_they_are() -> None:
     found = blocks('a\n\n```yaml title="x.yaml"\na: 1\n```\n\n- b\n\n  ```console\n  $ ls\n  ```\n', "p.md")
-    assert [(b.place, b.language, b.title) for b in found] == [("p.md:3", "yaml", "x.yaml"), ("p.md:9", "console", None)]
+    assert [(b.place, b.language, b.title) for b in found] == [
+        ("p.md:3", "yaml", "x.yaml"),
+        ("p.md:9", "console", None),
+    ]
     assert isinstance(found[0], Block) and found[1].text == "$ ls\n"

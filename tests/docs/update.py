@@ -1,4 +1,4 @@
-"""Put what commands and code print now into pages: `python tests/docs/update.py README.md docs/tutorial.md`; then read the diff.
+"""Put what commands and code print now into pages, such as `python tests/docs/update.py README.md`; then read the diff.
 
 What already fits stays as it is, with its `…`; times are elided.
 """
