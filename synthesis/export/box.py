@@ -83,7 +83,7 @@ class Box:
         unheld = replace(setting, loop=replace(setting.loop, actuator=replace(setting.loop.actuator, hold=None)))
         family = replace(self.family, setting=unheld, spread=spread, loads=True)
         m, rate = len(family.parameters), float(self.law.rate)
-        last = short(pi * rate, digits=15, up=True)
+        last = short(pi * rate * ABOVE, digits=12, up=True)
         kappa = self._kappa(family, pi * rate * (1 - 1e-9))
         if not np.isfinite(kappa):
             return False

@@ -6,9 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from ...models.impedance import DynamicStiffness
+from ...models.rational import fraction
 from ..certificate.claim import Claim
 from ..certificate.outcome import Outcome
+from ..certificate.witness import Witness
 from ..errors import ExitCode
+from ..problem.setting import LOAD
 from ..spec import number_text
 
 LEFT = "not re-proven"
@@ -48,8 +52,7 @@ class Carried:
             was = "" if self.certified is None else f" (certificate {float(self.certified):.6g})"
             text += f" {span} margin {float(self.claim.margin):.6g}{was}"
         elif self.claim.refuted_at is not None and self.claim.refuted_at.witness is not None:
-            omega = self.claim.refuted_at.witness.omega
-            text += f" at {float(omega):.6g} rad/s" if omega is not None else ""
+            text += _where(self.claim.refuted_at.witness)
         return f"{text}: {self.note}" if self.note else text
 
     def to_json(self) -> dict[str, object]:
@@ -62,11 +65,24 @@ class Carried:
             found["interval"] = [number_text(low), "inf" if high is None else number_text(high)]
             found["margin"] = None if self.claim.margin is None else number_text(self.claim.margin)
             beyond = self.claim.refuted_at
-            omega = None if beyond is None or beyond.witness is None else beyond.witness.omega
+            witness = None if beyond is None else beyond.witness
+            omega, load = (None, None) if witness is None else (witness.omega, witness.load)
             found["refuted_at"] = None if beyond is None else number_text(beyond.value)
             found["refuted_at_omega"] = None if omega is None else number_text(omega)
+            found["refuted_at_load"] = None if load is None else _numbers(load)
         found["note"] = self.note
         return found
+
+
+def _where(witness: Witness) -> str:
+    frequency = "" if witness.omega is None else f" at {float(witness.omega):.6g} rad/s"
+    if witness.load is None:
+        return frequency
+    return f"{frequency} with " + ", ".join(f"{k} {float(Fraction(v)):.6g}" for k, v in _numbers(witness.load).items())
+
+
+def _numbers(load: DynamicStiffness) -> dict[str, str]:
+    return {name: number_text(fraction(getattr(load, name))) for name in LOAD}
 
 
 def exit_code(carried: Sequence[Carried]) -> ExitCode:

@@ -23,7 +23,7 @@ from .carried import Carried, exit_code
 from .law import Law, discretised
 from .proofs import carried_over
 from .sections import DTYPE, Sections
-from .targets import TARGETS, Subject, files_of
+from .targets import TARGETS, Subject, demand_rate, files_of
 
 if TYPE_CHECKING:
     import control
@@ -122,6 +122,7 @@ def export(
     content = json.loads(data)
     spec = from_canonical(content["spec"])
     setting, rate = _sampled(Setting.of(spec), rate)
+    demand_rate(target, rate)
     coefficients = _coefficients(content["controller"]["Q" if spec.controller.type == "dob" else "C"])
     C = setting.compensator(coefficients)
     law = discretised(setting, C, rate, precision, float(Fraction(content["bandwidth"]["proven"])))

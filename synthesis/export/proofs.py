@@ -27,7 +27,7 @@ from .sampled_joint import SampledProver
 
 Written = dict[str, Any]
 NOMINAL = ("hurwitz", "winding")
-NOT_NEEDED = "not needed: the shipped coefficients themselves are what is proven here"
+NOT_NEEDED = "nothing to prove, the shipped coefficients themselves are what is proven here"
 PRINTED = "the printed form speaks of the continuous law"
 
 

@@ -7,7 +7,9 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from hashlib import sha256
 from importlib.resources import files
+from keyword import iskeyword
 from typing import Any
 
 from jinja2 import Environment, FunctionLoader, StrictUndefined
@@ -27,7 +29,10 @@ LAW = (
     "dI, dB, dK: nominal minus desired; q = z^-1, r of error (of compensated for M_d, V_d, A_d): M = ((1 + q)/2)^r, "
     "V = velocity (1 - q) times 3 - q, 1, 1 + q for r = 0, 1, 2, A = acceleration (1 - q)^2"
 )
-RESERVED = re.compile(r"[^A-Za-z0-9_]+")
+OTHERS = re.compile(r"[^A-Za-z0-9_]+")
+WORDS_OF_C = """auto break case char const continue default do double else enum extern float for goto if inline int long
+register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while"""
+TAKEN = {*WORDS_OF_C.split(), "real", "filtered", "zeroed", "settled", "started", "control", "main"}
 
 
 @dataclass(frozen=True)
@@ -50,8 +55,8 @@ class Subject:
     @property
     def identifier(self) -> str:
         """The same as an identifier of C and of Python."""
-        plain = RESERVED.sub("_", self.name).strip("_").lower() or "controller"
-        return plain if plain[0].isalpha() else f"joint_{plain}"
+        plain = OTHERS.sub("_", self.name).strip("_").lower()
+        return plain if plain[:1].isalpha() and plain not in TAKEN and not iskeyword(plain) else f"joint_{plain}"
 
     @property
     def delay(self) -> Fraction:
@@ -68,6 +73,14 @@ class Subject:
         return f"sampling of the specification: a hold and {float(self.delay):g} s of computation delay"
 
 
+def demand_rate(target: str, rate: Fraction) -> None:
+    """Refuse a rate [Hz] that a target cannot say exactly. Raises: InputError."""
+    if target == "c" and (rate * 1000).denominator != 1:
+        raise InputError(f"--target c: the rate must be a whole number of mHz; found {float(rate)} Hz")
+    if target == "ros2" and rate.denominator != 1:
+        raise InputError(f"--target ros2: update_rate is a whole number of Hz; found {float(rate)} Hz")
+
+
 def files_of(subject: Subject, target: str) -> dict[str, str]:
     """Text of every file by its name."""
     return {**TARGETS[target](subject), "export.json": _json_text(subject)}
@@ -76,9 +89,6 @@ def files_of(subject: Subject, target: str) -> dict[str, str]:
 def _c(subject: Subject) -> dict[str, str]:
     law, spec, p = subject.law, subject.setting.spec, subject.identifier
     literal = _literal(law.precision)
-    millihertz = law.rate * 1000
-    if millihertz.denominator != 1:
-        raise InputError(f"--target c: the rate must be a whole number of mHz; found {float(law.rate)} Hz")
     filters = [
         {"name": name, "sections": [[literal(b) for b in (s.b0, s.b1, s.b2, s.a1, s.a2)] for s in cascade.sections]}
         for name, cascade in law.filters.items()
@@ -87,8 +97,9 @@ def _c(subject: Subject) -> dict[str, str]:
     ranges = subject.setting.impedances
     torque, angle = ("N*m", "rad") if spec.motion == "rotary" else ("N", "m")
     words: dict[str, Any] = {
-        "name": subject.name.replace("*/", ""),
+        "name": subject.name,
         "file": p,
+        "stamp": sha256(_json_text(subject).encode()).hexdigest()[:8],
         "p": p,
         "P": p.upper(),
         "rate": f"{float(law.rate):.17g}",
@@ -98,7 +109,7 @@ def _c(subject: Subject) -> dict[str, str]:
         "means": {law.error.r, law.compensated.r},
         "half": literal(0.5),
         "quarter": literal(0.25),
-        "millihertz": int(millihertz),
+        "millihertz": int(law.rate * 1000),
         "precision": law.precision,
         "real": law.precision,
         "version": subject.version,
@@ -207,8 +218,6 @@ def _control(subject: Subject) -> dict[str, str]:
 
 def _ros2(subject: Subject) -> dict[str, str]:
     law = subject.law
-    if law.rate.denominator != 1:
-        raise InputError(f"--target ros2: update_rate is a whole number of Hz; found {float(law.rate)} Hz")
     words = {
         "subject": subject,
         "lines": [each.line for each in subject.carried],
