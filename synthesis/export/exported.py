@@ -32,12 +32,17 @@ Progress = Callable[[str], None]
 CODES: dict[int, type[RobimpError]] = {2: InputError, 4: RefutedError, 5: UndecidedError, 6: MismatchError}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Exported:
     """A controller ready for a drive: its law, what was proven of it, and the text of every file by name."""
 
     subject: Subject
     target: str
+
+    def __repr__(self) -> str:
+        lost = [f"{each.id} {each.form}" for each in self.claims if each.required and each.status != "proven"]
+        found = f"not proven: {', '.join(lost)}" if lost else "every required claim proven"
+        return f"<Exported {self.subject.name}: {float(self.law.rate):g} Hz, {self.law.precision}, {found}>"
 
     @property
     def law(self) -> Law:
@@ -110,6 +115,15 @@ def export(
 
     Raises: InputError for an unusable certificate, target, rate or precision; RefutedError, UndecidedError or
     MismatchError for a certificate that does not check.
+
+    >>> from robimp.synthesis.export import export
+    >>> done = export("certificate.json", target="c", rate=1000)
+    >>> done
+    <Exported haninger2016-paper: 1000 Hz, double, every required claim proven>
+    >>> sorted(done.files)
+    ['export.json', 'haninger2016_paper.c', 'haninger2016_paper.h']
+    >>> done.to_control()["compensator"].dt
+    0.001
     """
     _demand(target in TARGETS, f"--target: expected {', '.join(TARGETS)}; found {target}")
     _demand(precision in DTYPE, f"--precision: expected {', '.join(DTYPE)}; found {precision}")

@@ -151,7 +151,7 @@ def _literal(precision: str) -> Callable[[float], str]:
 
 def _rendered(template: str, words: dict[str, Any]) -> str:
     def source(name: str) -> str:
-        return files(__package__).joinpath("templates", name).read_text(encoding="utf-8")
+        return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
     environment = Environment(
         loader=FunctionLoader(source),

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import doctest
 import json
 import runpy
+import sys
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
@@ -169,3 +171,17 @@ def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
     assert "is not a folder" in refused(
         ExitCode.INPUT, "export", CONTINUOUS, "--target", "c", "--rate", "1000", "-o", blocked
     )
+
+
+def test_the_example_in_the_docstring_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "certificate.json").write_bytes(CONTINUOUS.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    module = sys.modules[export.__module__]
+    failed, tried = doctest.testmod(module)
+    assert (failed, tried) == (0, 5)
+
+
+def test_the_package_is_its_own_function() -> None:
+    package = sys.modules["robimp.synthesis.export"]
+    with pytest.raises(InputError, match="expected c, json, control, ros2; found rust"):
+        package(CONTINUOUS, target="rust", rate=1000)  # type: ignore[operator]

@@ -33,6 +33,11 @@ FILTERED = replaced(
     ),
 )
 COMMON = replaced(JOINT, ("denominator: [1, 70.75, 2500]}}", "denominator: [1, 70.75, 2500]}, filters: {force: 400}}"))
+UNCERTAIN = replaced(
+    JOINT,
+    ("stiffness: [0, 0]}}", "stiffness: [0, 0]}, actuator: {motor_inertia: ±15 %, spring_stiffness: ±10 %}}"),
+    ("stiffness: 1.25}", "stiffness: [0.5, 4]}"),
+)
 LATE = replaced(JOINT, ("delay: 1 ms", "delay: 0.3 ms"))
 UNDELAYED = replaced(JOINT, ("delay: 1 ms", "delay: 0"))
 JOINTS = {"paper": JOINT, "late": LATE, "undelayed": UNDELAYED, "ideal": IDEAL, "two filters": FILTERED, "one": COMMON}
@@ -183,10 +188,13 @@ def test_aliases_are_within_their_bound(text: str) -> None:
     assert max(ratios) > 0.1
 
 
-@pytest.mark.parametrize("text", [JOINT, IDEAL])
-def test_a_box_is_stable_as_its_vertices_are(text: str) -> None:
+@pytest.mark.parametrize("end", ["free", "locked"])
+@pytest.mark.parametrize("text", [JOINT, IDEAL, UNCERTAIN])
+def test_a_box_is_stable_as_its_vertices_are(text: str, end: str) -> None:
     setting = setting_of(text)
-    box = Box(family_of(setting, compensator(setting)), law_of(setting), "free")
+    if end == "locked" and not setting.actuators:
+        pytest.skip("against a wall nothing is uncertain but the actuator")
+    box = Box(family_of(setting, compensator(setting)), law_of(setting), end)
     claim = box.prove(None)
     assert claim.status is Outcome.PROVEN
     assert list(box._unstable()) == []
