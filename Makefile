@@ -3,13 +3,17 @@ PYTHON ?= python3
 BIN := .venv/bin
 export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: demo test evidence lint types wheel bench bench-simulation rivals picture clean
+.PHONY: demo test docs evidence lint types wheel bench bench-simulation rivals picture clean
 
 demo: .venv/installed
 	$(BIN)/robimp synth examples/haninger2016.yaml
 
 test: .venv/installed
 	$(BIN)/python -m pytest -n 2
+
+# Into build/docs, without network; every warning is an error.
+docs: .venv/installed
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
 
 # The full sizes of tests/evidence; mutants of the checker are tried for BUDGET seconds, the next call goes on.
 BUDGET ?= 600
@@ -53,5 +57,5 @@ clean:
 
 .venv/installed: pyproject.toml constraints.txt
 	$(PYTHON) -m venv --clear .venv
-	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[test,dev]'
+	$(BIN)/python -m pip install -q --disable-pip-version-check -c constraints.txt -e '.[test,dev,docs]'
 	touch $@
