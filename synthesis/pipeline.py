@@ -151,7 +151,8 @@ def setting_of(spec: Spec) -> Setting:
         raise InputError(str(error)) from error
     weight = setting.uncertainty.weight
     if weight is not None and not is_hurwitz(weight.den):
-        raise InputError("uncertainty.weight must be stable: its denominator has a root with Re s ≥ 0")
+        message = "uncertainty.weight must be stable: its denominator has a root with Re s ≥ 0"
+        raise InputError(f"{message}; change the root's sign, which leaves |W(jω)| as it is")
     return setting
 
 
@@ -171,7 +172,8 @@ def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
     if isinstance(L, Held):  # a hold decays: no algebraic loop
         return C
     if L.relative_degree == 0 and L.num.leading_coefficient() == -L.den.leading_coefficient():
-        raise InputError("controller.coefficients: algebraic loop, 1 + HCF vanishes at infinite frequency")
+        message = "controller.coefficients: algebraic loop, 1 + HCF vanishes at infinite frequency"
+        raise InputError(f"{message}; lower the numerator's degree, or give controller.filters a force corner")
     return C
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import stat
 import sys
 from collections.abc import Iterator
@@ -87,14 +88,21 @@ def bounded_bytes(path: Path, most: int) -> bytes:
         raise InputError(f"file: cannot be read: {reason}", Location(str(path))) from error
 
 
+def _place(path: Path, key: str) -> Location:
+    from ..spec.load import place_of
+
+    return place_of(path, key)
+
+
 @contextmanager
 def located(path: Path) -> Iterator[None]:
-    """Errors that do not say which file they are about get its name."""
+    """An error that does not say where it is gets the file, and the place of the key that its message begins with."""
     try:
         yield
     except InputError as error:
         if error.location is not None:
             raise
-        raise InputError(error.message, Location(str(path))) from error
+        key = re.match(r"[a-z_0-9]+(\.[a-z_0-9]+)+", error.message)
+        raise InputError(error.message, _place(path, key[0]) if key else Location(str(path))) from error
     except RobimpError as error:
         raise type(error)(f"{path}: {error}") from error
