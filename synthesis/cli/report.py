@@ -1,4 +1,4 @@
-"""`robimp report`: certificates as a page to read."""
+"""`robimp report`: certificates, or a map, as a page to read."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..errors import ExitCode, InputError, Location
-from .common import Json, certificate_bytes, complain, dumped, finish, say
+from .common import Json, bounded_bytes, complain, dumped, finish, say
 
 if TYPE_CHECKING:
     from ..check import Verdict
 
-Certificates = Annotated[list[Path], typer.Argument(metavar="CERT...", help="Certificate files (JSON).")]
+Certificates = Annotated[list[Path], typer.Argument(metavar="CERT...", help="Certificate files, or one map.json.")]
 Output = Annotated[
     Path | None,
-    typer.Option("--output", "-o", metavar="FILE", help="Default: report.html beside the (first) certificate."),
+    typer.Option("--output", "-o", metavar="FILE", help="Default: report.html beside the (first) file."),
 ]
 
 
@@ -27,14 +27,23 @@ def report(
     time_limit: Annotated[float, typer.Option(metavar="SECONDS", min=0.01, help="For each check.")] = 60.0,
     as_json: Json = False,
 ) -> None:
-    """Write a page (HTML, one file, works offline) about certificates, each re-checked first; several are compared."""
+    """Write a page (HTML, one file, works offline) about certificates, each re-checked first; several are compared.
+
+    About a map.json of `robimp map`: the picture of the plane, and why cells are not proven.
+    """
+    from ..report.html.recorded import MAX_BYTES, is_map
     from ..report.progress import status_line
     from ..storage import demand_replaceable
 
     path = output or certificates[0].parent / "report.html"
-    contents = {str(certificate): certificate_bytes(certificate) for certificate in certificates}
+    contents = {str(file): bounded_bytes(file, MAX_BYTES) for file in certificates}
     _demand_distinct(certificates, path)
     demand_replaceable(path)
+    maps = [file for file, data in contents.items() if is_map(data)]
+    if maps:
+        if len(contents) > 1:
+            raise InputError("is a map: report it alone", Location(maps[0]))
+        finish([_report_map(maps[0], contents[maps[0]], path, as_json)])
     with status_line() as progress:
         progress("loading")
         from ..report.html import write_report
@@ -44,10 +53,23 @@ def report(
     finish([ExitCode(verdict.exit_code) for verdict in verdicts])
 
 
+def _report_map(file: str, data: bytes, path: Path, as_json: bool) -> ExitCode:
+    from ..report.progress import status_line
+
+    with status_line() as progress:
+        progress("loading")
+        from ..report.html import write_map_report
+
+        code = write_map_report(data, Path(file).name, path, progress)
+    said = dumped({"report": str(path), "map": {"file": file, "exit_code": int(code)}})
+    say(said if as_json else f"MAP  {file}\nreport: {path}")
+    return code
+
+
 def _demand_distinct(certificates: Sequence[Path], path: Path) -> None:
     for certificate in certificates:
         if path.absolute() == certificate.absolute() or (path.exists() and path.samefile(certificate)):
-            raise InputError(f"would overwrite the certificate {certificate}; give another -o", Location(str(path)))
+            raise InputError(f"would overwrite {certificate}; give another -o", Location(str(path)))
 
 
 def _shown(contents: dict[str, bytes]) -> dict[str, bytes]:
