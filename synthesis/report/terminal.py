@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -43,6 +44,7 @@ def show(result: Result, to: Console) -> None:
     to.print(f"[bold {colour}]{result.outcome.name}[/]  {result.spec.name}  {_headline(result)}")
     to.print(_controller(result))
     to.print(claims_table(result.claims, result.spec.motion))
+    _show_bode(result, to)
     agreement, sampled = result.agreement, result.sampled
     to.print(f"simulation: {agreement.summary(len(result.trials.trials))}")
     if result.outcome is Outcome.PROVEN and not result.robust:
@@ -53,6 +55,14 @@ def show(result: Result, to: Console) -> None:
         effect = "is unstable" if not sampled.stable else "cannot be compared: the simulated loop is unstable"
     late = "" if not sampled.delay else f" and {sampled.delay} tick{'s' if sampled.delay > 1 else ''} late"
     to.print(f"for information, not certified: sampled at {sampled.rate:g} Hz{late} the controller {effect}")
+
+
+def _show_bode(result: Result, to: Console) -> None:
+    from .sparkline import bode_lines  # loads NumPy
+
+    proven = result.outcome is Outcome.PROVEN
+    for line in bode_lines(result.spec, result.coefficients, float(result.omega_B), proven, to):
+        to.print(line, soft_wrap=True)
 
 
 def _headline(result: Result) -> str:
@@ -87,7 +97,7 @@ def claims_table(claims: tuple[Claim, ...], motion: str) -> Table:
         table.add_column(heading)
     for claim in claims:
         low, high = claim.interval
-        span = f"[{decimal(low)}, {'∞' if high is None else decimal(high)}]"
+        span = f"[{decimal(low, ROUND_CEILING)}, {'∞' if high is None else decimal(high)}]"
         colour = COLOUR[claim.status] if claim.required else "dim"
         status = f"[{colour}]{claim.status.value}[/]" + ("" if claim.required else " (reported)")
         table.add_row(claim.id, claim.form, span, status, _margin(claim, motion), _failure(claim))
@@ -100,7 +110,7 @@ def _margin(claim: Claim, motion: str) -> str:
     unit = UNIT.get(claim.form, "holds for {} × W")
     if motion == "linear":
         unit = unit.replace("N·m·s/rad", "N·s/m")
-    return unit.format(decimal(claim.margin))
+    return unit.format(decimal(claim.margin, ROUND_CEILING if "≤" in unit else ROUND_FLOOR))
 
 
 def _failure(claim: Claim) -> str:
@@ -113,9 +123,10 @@ def _failure(claim: Claim) -> str:
     return f"{decimal(claim.refuted_at.value)} at {where} rad/s"
 
 
-def decimal(value: Fraction) -> str:
-    """A short decimal for reading; exact text is in the certificate."""
-    return f"{float(value):.6g}"
+def decimal(value: Fraction, rounding: str = ROUND_FLOOR) -> str:
+    """Six digits for reading, rounded to where what is proven still holds; exact text is in the certificate."""
+    short = Context(prec=6, rounding=rounding).divide(Decimal(value.numerator), Decimal(value.denominator))
+    return f"{float(short):.6g}"
 
 
 def show_bound(limit: Bound, to: Console) -> None:
