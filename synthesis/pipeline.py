@@ -24,6 +24,8 @@ from .errors import ExitCode, InputError, RefutedError, RobimpError, UndecidedEr
 from .interruption import demand_none, demanding
 from .problem.grid import frequency_scale
 from .problem.setting import Setting
+from .report.cards import result_card
+from .report.terminal import decimal
 from .simulation import SampledComparison, Trials, sampled_comparison, verify
 from .spec.demands import FLOAT32
 from .spec.model import Polynomials, Spec
@@ -75,6 +77,23 @@ class Result:
     def omega_B(self) -> Fraction:
         """Proven bandwidth [rad/s]."""
         return next(claim.margin for claim in self.claims if claim.id == "bandwidth") or Fraction(0)
+
+    @property
+    def Q(self) -> Polynomials | None:
+        """The filter of a disturbance observer; None for dynamic-error feedback. `.to_control()` for `control`."""
+        return self.coefficients if self.spec.controller.type == "dob" else None
+
+    @property
+    def C(self) -> Polynomials:
+        """The compensator C in the loop, Q/(1−Q) or C_imp, as the certificate states it."""
+        return Polynomials.of(tuple(self.certificate["controller"]["C"][side] for side in ("numerator", "denominator")))
+
+    def __repr__(self) -> str:
+        found = f", ω_B ≥ {decimal(self.omega_B)} rad/s" if self.outcome is Outcome.PROVEN else ""
+        return f"<Result {self.spec.name}: {self.outcome.name}{found}, {len(self.claims)} claims>"
+
+    def _repr_html_(self) -> str:
+        return result_card(self)
 
     def certificate_bytes(self) -> bytes:
         """The certificate file's content."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import stat
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -15,6 +14,7 @@ from typing import Annotated, Any, TextIO
 import typer
 
 from ..errors import ExitCode, InputError, Location, RobimpError
+from ..storage import bounded_bytes as bounded_bytes
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text, one object per result.")]
 
@@ -74,18 +74,6 @@ def certificate_bytes(path: Path) -> bytes:
     from ..check.reader import MAX_BYTES
 
     return bounded_bytes(path, MAX_BYTES)
-
-
-def bounded_bytes(path: Path, most: int) -> bytes:
-    """A file's content, or one byte more than allowed. Raises: InputError."""
-    try:
-        if stat.S_ISFIFO(path.lstat().st_mode):  # a named pipe may have no other end; /dev/stdin is a link to one
-            raise InputError("file: a named pipe, not a file", Location(str(path)))
-        with path.open("rb") as stream:
-            return stream.read(most + 1)
-    except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"file: cannot be read: {reason}", Location(str(path))) from error
 
 
 def _place(path: Path, key: str) -> Location:

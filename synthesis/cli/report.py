@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import ExitCode, InputError, Location
-from .common import Json, bounded_bytes, complain, dumped, finish, say
+from ..errors import ExitCode
+from .common import Json, complain, dumped, finish, say
 
 if TYPE_CHECKING:
-    from ..check import Verdict
+    from ..report.html.files import Reported
 
-Certificates = Annotated[list[Path], typer.Argument(metavar="CERT...", help="Certificate files, or one map.json.")]
+Files = Annotated[list[Path], typer.Argument(metavar="CERT...", help="Certificate files, or one map.json.")]
 Output = Annotated[
     Path | None,
     typer.Option("--output", "-o", metavar="FILE", help="Default: report.html beside the (first) file."),
@@ -22,7 +22,7 @@ Output = Annotated[
 
 
 def report(
-    certificates: Certificates,
+    certificates: Files,
     output: Output = None,
     time_limit: Annotated[float, typer.Option(metavar="SECONDS", min=0.01, help="For each check.")] = 60.0,
     as_json: Json = False,
@@ -31,66 +31,28 @@ def report(
 
     About a map.json of `robimp map`: the picture of the plane, and why cells are not proven.
     """
-    from ..report.html.recorded import MAX_BYTES, is_map
     from ..report.progress import status_line
-    from ..storage import demand_replaceable
 
     path = output or certificates[0].parent / "report.html"
-    contents = {str(file): bounded_bytes(file, MAX_BYTES) for file in certificates}
-    _demand_distinct(certificates, path)
-    demand_replaceable(path)
-    maps = [file for file, data in contents.items() if is_map(data)]
-    if maps:
-        if len(contents) > 1:
-            raise InputError("is a map: report it alone", Location(maps[0]))
-        finish([_report_map(maps[0], contents[maps[0]], path, as_json)])
     with status_line() as progress:
         progress("loading")
-        from ..report.html import write_report
+        from ..report.html.files import report_files
 
-        verdicts = write_report(_shown(contents), path, progress, time_limit=time_limit)
-    _say(list(contents), verdicts, path, as_json)
-    finish([ExitCode(verdict.exit_code) for verdict in verdicts])
-
-
-def _report_map(file: str, data: bytes, path: Path, as_json: bool) -> ExitCode:
-    from ..report.progress import status_line
-
-    with status_line() as progress:
-        progress("loading")
-        from ..report.html import write_map_report
-
-        code = write_map_report(data, Path(file).name, path, progress)
-    said = dumped({"report": str(path), "map": {"file": file, "exit_code": int(code)}})
-    say(said if as_json else f"MAP  {file}\nreport: {path}")
-    return code
+        found = report_files(certificates, path, progress, time_limit=time_limit)
+    _say(found, path, as_json)
+    finish([each.exit_code for each in found])
 
 
-def _demand_distinct(certificates: Sequence[Path], path: Path) -> None:
-    for certificate in certificates:
-        if path.absolute() == certificate.absolute() or (path.exists() and path.samefile(certificate)):
-            raise InputError(f"would overwrite {certificate}; give another -o", Location(str(path)))
-
-
-def _shown(contents: dict[str, bytes]) -> dict[str, bytes]:
-    """Certificates by the name the page shows: the file's own where that tells them apart."""
-    names = [Path(file).name for file in contents]
-    if len(set(names)) < len(names):
-        return contents
-    return dict(zip(names, contents.values(), strict=True))
-
-
-def _say(files: Sequence[str], verdicts: Sequence[Verdict], path: Path, as_json: bool) -> None:
+def _say(found: Sequence[Reported], path: Path, as_json: bool) -> None:
     if as_json:
-        found = [
-            {"file": file, "exit_code": verdict.exit_code, "message": verdict.message}
-            for file, verdict in zip(files, verdicts, strict=True)
-        ]
-        say(dumped({"report": str(path), "certificates": found}))
+        files = [{"file": each.file, "exit_code": int(each.exit_code), "message": each.message} for each in found]
+        say(dumped({"report": str(path), "certificates": files}))
         return
-    for file, verdict in zip(files, verdicts, strict=True):
-        if verdict.exit_code == ExitCode.PROVEN:
-            say(f"PROVEN  {file}  {verdict.message}")
+    for each in found:
+        if not each.message:
+            say(f"MAP  {each.file}")
+        elif each.exit_code is ExitCode.PROVEN:
+            say(f"PROVEN  {each.file}  {each.message}")
         else:
-            complain(f"{file}: {verdict.message}")
+            complain(f"{each.file}: {each.message}")
     say(f"report: {path}")

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from ..pipeline import Result
     from ..solve.bound import Bound
 
+HEADINGS = ("claim", "form", "on ω [rad/s]", "status", "proven margin", "next level fails at")
 COLOUR = {Outcome.PROVEN: "green", Outcome.REFUTED: "red", Outcome.UNDECIDED: "yellow"}
 UNIT = {
     "hurwitz": "decay ≥ {} /s",
@@ -75,33 +76,28 @@ def _headline(result: Result) -> str:
 
 
 def _controller(result: Result) -> str:
-    name = "Q" if result.spec.controller.type == "dob" else "C_imp"
-    return (
-        f"{name}(s) = ({_polynomial(result.coefficients.numerator)}) / ({_polynomial(result.coefficients.denominator)})"
-    )
-
-
-def _polynomial(coefficients: tuple[Fraction, ...]) -> str:
-    terms = []
-    for power, c in zip(range(len(coefficients) - 1, -1, -1), coefficients, strict=True):
-        if c:
-            s = {0: "", 1: " s"}.get(power, f" s^{power}")
-            terms.append(s.strip() if c == 1 and power else f"{float(c):.6g}{s}")
-    return " + ".join(terms).replace("+ -", "− ")
+    return f"{'Q' if result.spec.controller.type == 'dob' else 'C_imp'}(s) = {result.coefficients}"
 
 
 def claims_table(claims: tuple[Claim, ...], motion: str) -> Table:
     """One row per claim: what it is, on which interval, its status, the margin and where the next level fails."""
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("claim", "form", "on ω [rad/s]", "status", "proven margin", "next level fails at"):
+    for heading in HEADINGS:
         table.add_column(heading)
     for claim in claims:
-        low, high = claim.interval
-        span = f"[{decimal(low, ROUND_CEILING)}, {'∞' if high is None else decimal(high)}]"
+        id, form, span, status, margin, failure = cells(claim, motion)
+        word, rest = status.split(" ")[0], status[len(claim.status.value) :]
         colour = COLOUR[claim.status] if claim.required else "dim"
-        status = f"[{colour}]{claim.status.value}[/]" + ("" if claim.required else " (reported)")
-        table.add_row(claim.id, claim.form, span, status, _margin(claim, motion), _failure(claim))
+        table.add_row(id, form, span, f"[{colour}]{word}[/]{rest}", margin, failure)
     return table
+
+
+def cells(claim: Claim, motion: str) -> tuple[str, str, str, str, str, str]:
+    """A claim's row, as plain text."""
+    low, high = claim.interval
+    span = f"[{decimal(low, ROUND_CEILING)}, {'∞' if high is None else decimal(high)}]"
+    status = claim.status.value + ("" if claim.required else " (reported)")
+    return claim.id, claim.form, span, status, _margin(claim, motion), _failure(claim)
 
 
 def _margin(claim: Claim, motion: str) -> str:

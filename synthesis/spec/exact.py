@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
@@ -76,6 +77,16 @@ def decimal_text(value: Fraction) -> str:
     with localcontext() as context:
         context.prec = 6
         return f"{Decimal(value.numerator) / Decimal(value.denominator):g}"
+
+
+def polynomial_text(coefficients: Sequence[Fraction]) -> str:
+    """`s^2 + 70.75 s + 2500` of coefficients in descending powers, six digits each; never read back."""
+    terms = []
+    for power, c in zip(range(len(coefficients) - 1, -1, -1), coefficients, strict=True):
+        if c:
+            s = {0: "", 1: " s"}.get(power, f" s^{power}")
+            terms.append(s.strip() if c == 1 and power else f"{float(c):.6g}{s}")
+    return " + ".join(terms or ["0"]).replace("+ -", "− ")
 
 
 def _ratio(text: str) -> Fraction:

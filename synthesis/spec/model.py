@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal, Self
 
 from pydantic import BaseModel, ConfigDict
+
+from ..notebook import card
+from .exact import polynomial_text
 
 
 class Section(BaseModel):
@@ -41,6 +44,40 @@ class Polynomials(Section):
 
     numerator: tuple[Fraction, ...]
     denominator: tuple[Fraction, ...]
+
+    @classmethod
+    def of(cls, system: Any) -> Self:
+        """From a continuous SISO `control.TransferFunction`, or a pair (numerator, denominator) of coefficients.
+
+        system: coefficients in descending powers of s, lists or arrays (n,) of numbers or of exact text; a double is
+        taken as the exact number it is.
+
+        Raises: InputError for several inputs or outputs, a discrete system, a number that is not finite, a numerator
+        of higher degree than the denominator.
+
+        >>> from robimp.synthesis import Polynomials
+        >>> Polynomials.of(([2000], [1, "70.75", 2500]))
+        (2000) / (s^2 + 70.75 s + 2500)
+        """
+        from .given import given
+
+        return cls(**given(system))
+
+    def to_control(self) -> Any:
+        """The nearest `control.TransferFunction`.
+
+        >>> from robimp.synthesis import Polynomials
+        >>> Polynomials.of(([2000], [1, "70.75", 2500])).to_control().dcgain().item()
+        0.8
+        """
+        import control
+
+        return control.tf([float(c) for c in self.numerator], [float(c) for c in self.denominator])
+
+    def __str__(self) -> str:
+        return f"({polynomial_text(self.numerator)}) / ({polynomial_text(self.denominator)})"
+
+    __repr__ = __str__
 
 
 class ActuatorBox(Section):
@@ -240,3 +277,13 @@ class Spec(Section):
     objective: Objective
     constraints: Constraints
     sampling: Sampling | None = None
+
+    def __repr__(self) -> str:
+        return f"<Spec {self.name}: {self.motion}, {self.actuator.type}, {self.controller.type}>"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        from .outline import outline
+
+        return card(self.name, "specification", rows=outline(self))

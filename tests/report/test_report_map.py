@@ -121,7 +121,8 @@ def test_a_map_in_which_every_cell_has_an_answer_is_a_success(tmp_path: Path) ->
     (tmp_path / "map.json").write_bytes(answered)
     run = robimp("report", tmp_path / "map.json", "-o", tmp_path / "page.html", "--json")
     assert run.code == 0
-    assert json.loads(run.out)["map"] == {"file": str(tmp_path / "map.json"), "exit_code": 0}
+    (told,) = json.loads(run.out)["certificates"]
+    assert told == {"file": str(tmp_path / "map.json"), "exit_code": 0, "message": ""}
 
 
 BROKEN: dict[str, Callable[[dict[str, Any]], object]] = {

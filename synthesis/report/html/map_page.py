@@ -110,7 +110,12 @@ def _edges(axis: Axis) -> np.ndarray[Any, np.dtype[np.float64]]:
 def _layout(axis: Axis) -> dict[str, Any]:
     low, high = _edges(axis)[[0, -1]]
     ends = [float(np.log10(low)), float(np.log10(high))] if axis.log else [float(low), float(high)]
-    layout = {"type": "log" if axis.log else "linear", "title": {"text": axis.label}, "range": ends, "showgrid": False}
+    layout: dict[str, Any] = {
+        "type": "log" if axis.log else "linear",
+        "title": {"text": axis.label},
+        "range": ends,
+        "showgrid": False,
+    }
     if axis.log and len(axis.values) <= MOST_TICKS:
         text = [f"{value:.3g}" for value in axis.values]
         layout |= {"tickmode": "array", "tickvals": list(axis.values), "ticktext": text}
