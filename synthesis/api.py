@@ -114,10 +114,10 @@ def synthesize(
 
     asked = spec if not isinstance(spec, str | Path) else load(spec)
     if controller is not None:
-        from .spec.model import Polynomials
+        from .spec.given import given
 
-        given = {"coefficients": Polynomials.of(controller), "order": None, "form": None}
-        asked = asked.model_copy(update={"controller": asked.controller.model_copy(update=given)})
+        wanted = {"coefficients": given(controller), "order": None, "form": None}
+        asked = asked.model_copy(update={"controller": asked.controller.model_copy(update=wanted)})
     return pipeline.synthesize(asked, progress, time_limit=time_limit, starts=starts, shared=shared)
 
 

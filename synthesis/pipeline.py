@@ -86,7 +86,8 @@ class Result:
     @property
     def C(self) -> Polynomials:
         """The compensator C in the loop, Q/(1−Q) or C_imp, as the certificate states it."""
-        return Polynomials.of(tuple(self.certificate["controller"]["C"][side] for side in ("numerator", "denominator")))
+        written = self.certificate["controller"]["C"]
+        return Polynomials(**{side: tuple(map(Fraction, coefficients)) for side, coefficients in written.items()})
 
     def __repr__(self) -> str:
         found = f", ω_B ≥ {decimal(self.omega_B)} rad/s" if self.outcome is Outcome.PROVEN else ""

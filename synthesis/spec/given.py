@@ -16,11 +16,18 @@ NAMES = ("numerator", "denominator")
 SHAPES = "a control.TransferFunction or a pair (numerator, denominator) of coefficients, descending powers of s"
 
 
-def given(system: Any) -> dict[str, tuple[Fraction, ...]]:
-    """Its coefficients by name. Raises: InputError."""
+def given(system: Any) -> Polynomials:
+    """From a continuous SISO `control.TransferFunction`, or a pair (numerator, denominator) of coefficients.
+
+    system: coefficients in descending powers of s, lists or arrays (n,) of numbers or of exact text; a double is taken
+    as the exact number it is.
+
+    Raises: InputError for several inputs or outputs, a discrete system, a number that is not finite, a numerator of
+    higher degree than the denominator.
+    """
     where = Location("controller")
     if isinstance(system, Polynomials):
-        system = system.numerator, system.denominator
+        return system
     if hasattr(system, "issiso"):
         if not hasattr(system, "num") or not system.issiso() or system.isdtime(strict=True):
             raise InputError("expected a continuous transfer function of one input and one output", where)
@@ -30,8 +37,7 @@ def given(system: Any) -> dict[str, tuple[Fraction, ...]]:
     parts: dict[str, tuple[Location, Node]] = {
         name: (Location("controller", key=name), _list(part, name)) for name, part in zip(NAMES, system, strict=True)
     }
-    found = polynomials(Mapping(parts, where))
-    return {name: getattr(found, name) for name in NAMES}
+    return polynomials(Mapping(parts, where))
 
 
 def _list(part: Any, name: str) -> Sequence:

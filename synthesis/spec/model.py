@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any, ClassVar, Literal, Self
+from typing import Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict
 
 from ..notebook import card
 from .exact import polynomial_text
+from .outline import outline
 
 
 class Section(BaseModel):
@@ -45,29 +46,12 @@ class Polynomials(Section):
     numerator: tuple[Fraction, ...]
     denominator: tuple[Fraction, ...]
 
-    @classmethod
-    def of(cls, system: Any) -> Self:
-        """From a continuous SISO `control.TransferFunction`, or a pair (numerator, denominator) of coefficients.
-
-        system: coefficients in descending powers of s, lists or arrays (n,) of numbers or of exact text; a double is
-        taken as the exact number it is.
-
-        Raises: InputError for several inputs or outputs, a discrete system, a number that is not finite, a numerator
-        of higher degree than the denominator.
-
-        >>> from robimp.synthesis import Polynomials
-        >>> Polynomials.of(([2000], [1, "70.75", 2500]))
-        (2000) / (s^2 + 70.75 s + 2500)
-        """
-        from .given import given
-
-        return cls(**given(system))
-
     def to_control(self) -> Any:
         """The nearest `control.TransferFunction`.
 
-        >>> from robimp.synthesis import Polynomials
-        >>> Polynomials.of(([2000], [1, "70.75", 2500])).to_control().dcgain().item()
+        >>> from robimp.synthesis import load
+        >>> spec = load("examples/haninger2016-paper.yaml")
+        >>> spec.controller.coefficients.to_control().dcgain().item()
         0.8
         """
         import control
@@ -284,6 +268,4 @@ class Spec(Section):
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        from .outline import outline
-
         return card(self.name, "specification", rows=outline(self))

@@ -6,12 +6,15 @@ from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
+from pydantic import BaseModel
+
 from .exact import decimal_text
-from .model import Polynomials, Section, Spec
+
+MOST_ITEMS = 8  # of a list
 
 
-def outline(spec: Spec) -> Iterator[tuple[str, str]]:
-    """Section and content of every section that says something."""
+def outline(spec: BaseModel) -> Iterator[tuple[str, str]]:
+    """Name and content of every section that says something."""
     for name, value in spec:
         if name not in ("robimp", "name") and value is not None:
             yield name, _text(value)
@@ -20,16 +23,18 @@ def outline(spec: Spec) -> Iterator[tuple[str, str]]:
 def _text(value: Any) -> str:
     if isinstance(value, Fraction):
         return decimal_text(value)
-    if isinstance(value, Polynomials):
-        return str(value)
-    if isinstance(value, Section):
-        said = ((key, item) for key, item in value if item is not None)
-        return ", ".join(f"{key} {_nested(item)}".rstrip() for key, item in said)
+    if isinstance(value, BaseModel) and not _is_function(value):
+        return ", ".join(f"{key} {_nested(item)}".rstrip() for key, item in value if item is not None)
     if isinstance(value, tuple):
-        return f"[{', '.join(map(_text, value[:8]))}{', …' if len(value) > 8 else ''}]"
+        return f"[{', '.join(map(_text, value[:MOST_ITEMS]))}{', …' if len(value) > MOST_ITEMS else ''}]"
     return str(value)
 
 
 def _nested(value: Any) -> str:
     text = _text(value)
-    return f"({text})" if text and isinstance(value, Section) and not isinstance(value, Polynomials) else text
+    return f"({text})" if text and isinstance(value, BaseModel) and not _is_function(value) else text
+
+
+def _is_function(value: BaseModel) -> bool:
+    """Rational functions write themselves."""
+    return "numerator" in type(value).model_fields

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from robimp.synthesis import ExitCode, InputError, Polynomials, Result, judge, load, report, simulate, synthesize
+from robimp.synthesis.spec.given import given
 
 EXACT = Polynomials(numerator=(Fraction(2000),), denominator=(Fraction(1), Fraction(283, 4), Fraction(2500)))
 GIVEN: dict[str, Any] = {
@@ -26,12 +27,12 @@ GIVEN: dict[str, Any] = {
 
 @pytest.mark.parametrize("system", GIVEN.values(), ids=GIVEN)
 def test_a_controller_is_taken_exactly(system: Any) -> None:
-    assert Polynomials.of(system) == EXACT
+    assert given(system) == EXACT
 
 
 def test_a_double_is_the_number_it_is() -> None:
-    assert Polynomials.of(([0.1], [1, 1])).numerator == (Fraction(0.1),) != (Fraction(1, 10),)
-    assert Polynomials.of((["0.1"], [1, 1])).numerator == (Fraction(1, 10),)
+    assert given(([0.1], [1, 1])).numerator == (Fraction(0.1),) != (Fraction(1, 10),)
+    assert given((["0.1"], [1, 1])).numerator == (Fraction(1, 10),)
 
 
 REFUSED: dict[str, tuple[Any, str]] = {
@@ -56,12 +57,12 @@ REFUSED: dict[str, tuple[Any, str]] = {
 @pytest.mark.parametrize(("system", "message"), REFUSED.values(), ids=REFUSED)
 def test_what_is_no_controller_is_refused(system: Any, message: str) -> None:
     with pytest.raises(InputError) as refusal:
-        Polynomials.of(system)
+        given(system)
     assert message in str(refusal.value) and str(refusal.value).startswith("controller: ")
 
 
 def test_a_result_goes_to_control_and_back(result: Result) -> None:
-    assert result.Q is not None and Polynomials.of(result.Q.to_control()) == result.Q == EXACT
+    assert result.Q is not None and given(result.Q.to_control()) == result.Q == EXACT
     omega = np.geomspace(0.1, 1000, 20)
     Q, C = (part.to_control()(1j * omega) for part in (result.Q, result.C))
     assert np.allclose(C, Q / (1 - Q)), "(10)"

@@ -20,8 +20,7 @@ def documented() -> dict[str, str]:
     """Docstrings by name: of functions, and of methods of types."""
     found: dict[str, Any] = {name: getattr(robimp.synthesis, name) for name in robimp.synthesis.__all__}
     texts = {name: (each.__call__ if inspect.ismodule(each) else each).__doc__ or "" for name, each in found.items()}
-    texts |= {f"Polynomials.{name}": getattr(Polynomials, name).__doc__ or "" for name in ("of", "to_control")}
-    return texts
+    return texts | {"Polynomials.to_control": Polynomials.to_control.__doc__ or ""}
 
 
 TEXTS = documented()
