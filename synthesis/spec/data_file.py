@@ -30,7 +30,7 @@ def data_files(node: Node, folder: Path | None) -> dict[str, Path]:
         raise InputError(f"the files cannot be looked for: {_reason(error)}", node.where) from None
     require(
         bool(found),
-        f"expected CSV files; nothing is named {shown(name)}; paths begin at the specification's folder",
+        f"expected CSV files; nothing here is named {shown(name)}; paths begin at the specification's folder",
         node.where,
     )
     message = f"expected at most {MAX_FILES} files; {shown(name)} names {len(found)}; put several records into one"
