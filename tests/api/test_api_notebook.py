@@ -112,4 +112,5 @@ def test_a_specification_shows_what_it_says(folder: Path) -> None:
     said = " ".join(Card(load("examples/haninger2016-sampled.yaml")._repr_html_()).said)
     for words in ("inertia 0.03", "stiffness [0.2, 10]", "rate 1000", "coefficients", "torque_loop (kp 10"):
         assert words in said
-    assert "None" not in said
+    assert "None" not in said and "filters" not in said, "there are none"
+    assert "eq9" in " ".join(Card(parse(init("arm"))._repr_html_()).said), "asked for, though it has no keys"

@@ -1,4 +1,4 @@
-"""`robimp --help` and `robimp check` begin at once: 0.3 s of the processor, everything a Python process costs included."""
+"""`robimp --help` and `robimp check` begin at once: 0.3 s of the processor, the Python process itself included."""
 
 from __future__ import annotations
 
