@@ -56,6 +56,14 @@ class Judgement:
         agreeing = " and ".join(c.other for c in self.comparisons)
         return f"{said}, of this {agreeing}" if agreeing else said
 
+    def __repr__(self) -> str:
+        return f"<Judgement {self.file}: {self.exit_code.name}, {self.message}>"
+
+    def _repr_html_(self) -> str:
+        from .report.cards import judgement_card
+
+        return judgement_card(self)
+
     def to_json(self) -> dict[str, Any]:
         """For scripts: outcome, claims, and every difference."""
         return {

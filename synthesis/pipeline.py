@@ -24,6 +24,8 @@ from .errors import ExitCode, InputError, RefutedError, RobimpError, UndecidedEr
 from .interruption import demand_none, demanding
 from .problem.grid import frequency_scale
 from .problem.setting import Setting
+from .report.cards import result_card
+from .report.terminal import decimal
 from .simulation import SampledComparison, Trials, sampled_comparison, verify
 from .spec.demands import FLOAT32
 from .spec.model import Polynomials, Spec
@@ -75,6 +77,24 @@ class Result:
     def omega_B(self) -> Fraction:
         """Proven bandwidth [rad/s]."""
         return next(claim.margin for claim in self.claims if claim.id == "bandwidth") or Fraction(0)
+
+    @property
+    def Q(self) -> Polynomials | None:
+        """The filter of a disturbance observer; None for dynamic-error feedback. `.to_control()` for `control`."""
+        return self.coefficients if self.spec.controller.type == "dob" else None
+
+    @property
+    def C(self) -> Polynomials:
+        """The compensator C in the loop, Q/(1−Q) or C_imp, as the certificate states it."""
+        written = self.certificate["controller"]["C"]
+        return Polynomials(**{side: tuple(map(Fraction, coefficients)) for side, coefficients in written.items()})
+
+    def __repr__(self) -> str:
+        found = f", ω_B ≥ {decimal(self.omega_B)} rad/s" if self.outcome is Outcome.PROVEN else ""
+        return f"<Result {self.spec.name}: {self.outcome.name}{found}, {len(self.claims)} claims>"
+
+    def _repr_html_(self) -> str:
+        return result_card(self)
 
     def certificate_bytes(self) -> bytes:
         """The certificate file's content."""
@@ -151,7 +171,8 @@ def setting_of(spec: Spec) -> Setting:
         raise InputError(str(error)) from error
     weight = setting.uncertainty.weight
     if weight is not None and not is_hurwitz(weight.den):
-        raise InputError("uncertainty.weight must be stable: its denominator has a root with Re s ≥ 0")
+        message = "uncertainty.weight must be stable: its denominator has a root with Re s ≥ 0"
+        raise InputError(f"{message}; change the root's sign, which leaves |W(jω)| as it is")
     return setting
 
 
@@ -171,7 +192,8 @@ def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
     if isinstance(L, Held):  # a hold decays: no algebraic loop
         return C
     if L.relative_degree == 0 and L.num.leading_coefficient() == -L.den.leading_coefficient():
-        raise InputError("controller.coefficients: algebraic loop, 1 + HCF vanishes at infinite frequency")
+        message = "controller.coefficients: algebraic loop, 1 + HCF vanishes at infinite frequency"
+        raise InputError(f"{message}; lower the numerator's degree, or give controller.filters a force corner")
     return C
 
 

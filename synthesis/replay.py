@@ -14,6 +14,7 @@ from .certificate.document import document, verdict
 from .check import Verdict
 from .errors import InputError, MismatchError
 from .interruption import demanding
+from .notebook import card
 from .pipeline import VERDICT_CODE, realizable, setting_of
 from .simulation import Trials, verify
 from .spec import from_canonical
@@ -31,6 +32,17 @@ class Replay:
     trials: Trials
     agreement: Agreement
     attacked: Challenge | None
+
+    def __repr__(self) -> str:
+        agrees = "contradicts" if self.contradictions else "agrees"
+        drawn = f", {len(self.attacked.drawn.loads)} joints drawn" if self.attacked else ""
+        return f"<Replay: {agrees}, {len(self.trials.trials)} trials{drawn}>"
+
+    def _repr_html_(self) -> str:
+        badge, tone = ("CONTRADICTS", "bad") if self.contradictions else ("AGREES", "good")
+        rows = [("trials", self.agreement.summary(len(self.trials.trials)))]
+        rows += [("attacks", self.attacked.summary())] if self.attacked else []
+        return card("simulation", badge, tone, [*rows, *(("contradicts", text) for text in self.contradictions)])
 
     @property
     def contradictions(self) -> tuple[str, ...]:

@@ -17,6 +17,18 @@ if sys.platform != "win32":
     import fcntl
 
 
+def bounded_bytes(path: Path, most: int) -> bytes:
+    """A file's content, or one byte more than allowed. Raises: InputError."""
+    try:
+        if stat.S_ISFIFO(path.lstat().st_mode):  # a named pipe may have no other end; /dev/stdin is a link to one
+            raise InputError("file: a named pipe, not a file", Location(str(path)))
+        with path.open("rb") as stream:
+            return stream.read(most + 1)
+    except (OSError, ValueError) as error:  # ValueError: a path with a null character
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"file: cannot be read: {reason}", Location(str(path))) from error
+
+
 def demand_writable(folder: Path) -> None:
     """Refuse a folder that files cannot be written to before anything long is computed. Raises: InputError."""
     try:

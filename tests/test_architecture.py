@@ -16,9 +16,9 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"models": ROOT / "models", "synthesis": ROOT / "synthesis"}
-LAYERS = ["errors", "interruption", "storage", "models", "spec", "problem", "solve", "certificate", "check"]
+LAYERS = ["errors", "interruption", "storage", "notebook", "models", "spec", "problem", "solve", "certificate", "check"]
 LAYERS += ["simulation", "report", "identify", "agreement", "pipeline", "sweep", "challenge", "replay"]
-LAYERS += ["controller_file", "judgement", "export", "cli"]
+LAYERS += ["controller_file", "judgement", "export", "api", "cli"]
 HEAVY = ("cvxpy", "casadi", "control", "matplotlib", "numpy", "flint")
 MOST_LINES = 300
 PRINTERS = {"synthesis/cli/common.py", "synthesis/check/__main__.py"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-import stat
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -14,6 +14,7 @@ from typing import Annotated, Any, TextIO
 import typer
 
 from ..errors import ExitCode, InputError, Location, RobimpError
+from ..storage import bounded_bytes as bounded_bytes
 
 Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text, one object per result.")]
 
@@ -75,26 +76,21 @@ def certificate_bytes(path: Path) -> bytes:
     return bounded_bytes(path, MAX_BYTES)
 
 
-def bounded_bytes(path: Path, most: int) -> bytes:
-    """A file's content, or one byte more than allowed. Raises: InputError."""
-    try:
-        if stat.S_ISFIFO(path.lstat().st_mode):  # a named pipe may have no other end; /dev/stdin is a link to one
-            raise InputError("file: a named pipe, not a file", Location(str(path)))
-        with path.open("rb") as stream:
-            return stream.read(most + 1)
-    except (OSError, ValueError) as error:  # ValueError: a path with a null character
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(f"file: cannot be read: {reason}", Location(str(path))) from error
+def _place(path: Path, key: str) -> Location:
+    from ..spec.load import place_of
+
+    return place_of(path, key)
 
 
 @contextmanager
 def located(path: Path) -> Iterator[None]:
-    """Errors that do not say which file they are about get its name."""
+    """An error that does not say where it is gets the file, and the place of the key that its message begins with."""
     try:
         yield
     except InputError as error:
         if error.location is not None:
             raise
-        raise InputError(error.message, Location(str(path))) from error
+        key = re.match(r"[a-z_0-9]+(\.[a-z_0-9]+)+", error.message)
+        raise InputError(error.message, _place(path, key[0]) if key else Location(str(path))) from error
     except RobimpError as error:
         raise type(error)(f"{path}: {error}") from error

@@ -77,7 +77,8 @@ def _prepare_streams() -> None:
         if stream is None:  # its number would go to the next file opened, and what libraries print into that file
             setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
         elif hasattr(stream, "reconfigure"):
-            stream.reconfigure(encoding="utf-8", errors="backslashreplace")
+            own = stream.isatty() or "PYTHONIOENCODING" in os.environ  # what a terminal shows, or somebody asked for
+            stream.reconfigure(encoding=None if own else "utf-8", errors="backslashreplace")
     if closed:
         complain("robimp: standard output: is closed")
         sys.exit(ExitCode.INPUT)

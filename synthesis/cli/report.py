@@ -1,4 +1,4 @@
-"""`robimp report`: certificates as a page to read."""
+"""`robimp report`: certificates, or a map, as a page to read."""
 
 from __future__ import annotations
 
@@ -8,67 +8,51 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import ExitCode, InputError, Location
-from .common import Json, certificate_bytes, complain, dumped, finish, say
+from ..errors import ExitCode
+from .common import Json, complain, dumped, finish, say
 
 if TYPE_CHECKING:
-    from ..check import Verdict
+    from ..report.html.files import Reported
 
-Certificates = Annotated[list[Path], typer.Argument(metavar="CERT...", help="Certificate files (JSON).")]
+Files = Annotated[list[Path], typer.Argument(metavar="CERT...", help="Certificate files, or one map.json.")]
 Output = Annotated[
     Path | None,
-    typer.Option("--output", "-o", metavar="FILE", help="Default: report.html beside the (first) certificate."),
+    typer.Option("--output", "-o", metavar="FILE", help="Default: report.html beside the (first) file."),
 ]
 
 
 def report(
-    certificates: Certificates,
+    certificates: Files,
     output: Output = None,
     time_limit: Annotated[float, typer.Option(metavar="SECONDS", min=0.01, help="For each check.")] = 60.0,
     as_json: Json = False,
 ) -> None:
-    """Write a page (HTML, one file, works offline) about certificates, each re-checked first; several are compared."""
+    """Write a page (HTML, one file, works offline) about certificates, each re-checked first; several are compared.
+
+    About a map.json of `robimp map`: the picture of the plane, and why cells are not proven.
+    """
     from ..report.progress import status_line
-    from ..storage import demand_replaceable
 
     path = output or certificates[0].parent / "report.html"
-    contents = {str(certificate): certificate_bytes(certificate) for certificate in certificates}
-    _demand_distinct(certificates, path)
-    demand_replaceable(path)
     with status_line() as progress:
         progress("loading")
-        from ..report.html import write_report
+        from ..report.html.files import report_files
 
-        verdicts = write_report(_shown(contents), path, progress, time_limit=time_limit)
-    _say(list(contents), verdicts, path, as_json)
-    finish([ExitCode(verdict.exit_code) for verdict in verdicts])
-
-
-def _demand_distinct(certificates: Sequence[Path], path: Path) -> None:
-    for certificate in certificates:
-        if path.absolute() == certificate.absolute() or (path.exists() and path.samefile(certificate)):
-            raise InputError(f"would overwrite the certificate {certificate}; give another -o", Location(str(path)))
+        found = report_files(certificates, path, progress, time_limit=time_limit)
+    _say(found, path, as_json)
+    finish([each.exit_code for each in found])
 
 
-def _shown(contents: dict[str, bytes]) -> dict[str, bytes]:
-    """Certificates by the name the page shows: the file's own where that tells them apart."""
-    names = [Path(file).name for file in contents]
-    if len(set(names)) < len(names):
-        return contents
-    return dict(zip(names, contents.values(), strict=True))
-
-
-def _say(files: Sequence[str], verdicts: Sequence[Verdict], path: Path, as_json: bool) -> None:
+def _say(found: Sequence[Reported], path: Path, as_json: bool) -> None:
     if as_json:
-        found = [
-            {"file": file, "exit_code": verdict.exit_code, "message": verdict.message}
-            for file, verdict in zip(files, verdicts, strict=True)
-        ]
-        say(dumped({"report": str(path), "certificates": found}))
+        files = [{"file": each.file, "exit_code": int(each.exit_code), "message": each.message} for each in found]
+        say(dumped({"report": str(path), "certificates": files}))
         return
-    for file, verdict in zip(files, verdicts, strict=True):
-        if verdict.exit_code == ExitCode.PROVEN:
-            say(f"PROVEN  {file}  {verdict.message}")
+    for each in found:
+        if not each.message:
+            say(f"MAP  {each.file}")
+        elif each.exit_code is ExitCode.PROVEN:
+            say(f"PROVEN  {each.file}  {each.message}")
         else:
-            complain(f"{file}: {verdict.message}")
+            complain(f"{each.file}: {each.message}")
     say(f"report: {path}")

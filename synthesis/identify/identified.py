@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..notebook import card
 from ..spec.model import Interval, Polynomials
 from ..spec.record import Bounds, Record, envelope, unusable
 from ..spec.selection import select
@@ -42,6 +43,15 @@ class Identified:
     kept: tuple[Record, ...]
     left_out: dict[str, str]
     other_amplitudes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        largest = f"|Δ| up to {float(max(value for _, value in self.bounds)):.3g}"
+        return f"<Identified {self.kind} from {len(self.kept)} records: {largest}, {len(self.left_out)} left out>"
+
+    def _repr_html_(self) -> str:
+        rows = [("records", ", ".join(record.name for record in self.kept)), ("W(s)", str(self.weight))]
+        rows += [(f"left out: {name}", reason) for name, reason in self.left_out.items()]
+        return card(f"{self.kind}, identified", rows=rows)
 
     @property
     def omega(self) -> NDArray[np.float64]:

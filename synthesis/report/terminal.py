@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from ..pipeline import Result
     from ..solve.bound import Bound
 
+HEADINGS = ("claim", "form", "on ω [rad/s]", "status", "proven margin", "next level fails at")
 COLOUR = {Outcome.PROVEN: "green", Outcome.REFUTED: "red", Outcome.UNDECIDED: "yellow"}
 UNIT = {
     "hurwitz": "decay ≥ {} /s",
@@ -43,6 +45,7 @@ def show(result: Result, to: Console) -> None:
     to.print(f"[bold {colour}]{result.outcome.name}[/]  {result.spec.name}  {_headline(result)}")
     to.print(_controller(result))
     to.print(claims_table(result.claims, result.spec.motion))
+    _show_bode(result, to)
     agreement, sampled = result.agreement, result.sampled
     to.print(f"simulation: {agreement.summary(len(result.trials.trials))}")
     if result.outcome is Outcome.PROVEN and not result.robust:
@@ -55,6 +58,14 @@ def show(result: Result, to: Console) -> None:
     to.print(f"for information, not certified: sampled at {sampled.rate:g} Hz{late} the controller {effect}")
 
 
+def _show_bode(result: Result, to: Console) -> None:
+    from .sparkline import bode_lines  # loads NumPy
+
+    proven = result.outcome is Outcome.PROVEN
+    for line in bode_lines(result.spec, result.coefficients, float(result.omega_B), proven, to):
+        to.print(line, soft_wrap=True)
+
+
 def _headline(result: Result) -> str:
     if result.outcome is not Outcome.PROVEN:
         short = [c.id for c in result.claims if c.required and c.status is not Outcome.PROVEN]
@@ -65,33 +76,28 @@ def _headline(result: Result) -> str:
 
 
 def _controller(result: Result) -> str:
-    name = "Q" if result.spec.controller.type == "dob" else "C_imp"
-    return (
-        f"{name}(s) = ({_polynomial(result.coefficients.numerator)}) / ({_polynomial(result.coefficients.denominator)})"
-    )
-
-
-def _polynomial(coefficients: tuple[Fraction, ...]) -> str:
-    terms = []
-    for power, c in zip(range(len(coefficients) - 1, -1, -1), coefficients, strict=True):
-        if c:
-            s = {0: "", 1: " s"}.get(power, f" s^{power}")
-            terms.append(s.strip() if c == 1 and power else f"{float(c):.6g}{s}")
-    return " + ".join(terms).replace("+ -", "− ")
+    return f"{'Q' if result.spec.controller.type == 'dob' else 'C_imp'}(s) = {result.coefficients}"
 
 
 def claims_table(claims: tuple[Claim, ...], motion: str) -> Table:
     """One row per claim: what it is, on which interval, its status, the margin and where the next level fails."""
     table = Table(box=None, pad_edge=False, header_style="bold")
-    for heading in ("claim", "form", "on ω [rad/s]", "status", "proven margin", "next level fails at"):
+    for heading in HEADINGS:
         table.add_column(heading)
     for claim in claims:
-        low, high = claim.interval
-        span = f"[{decimal(low)}, {'∞' if high is None else decimal(high)}]"
+        id, form, span, status, margin, failure = cells(claim, motion)
+        word, rest = status.split(" ")[0], status[len(claim.status.value) :]
         colour = COLOUR[claim.status] if claim.required else "dim"
-        status = f"[{colour}]{claim.status.value}[/]" + ("" if claim.required else " (reported)")
-        table.add_row(claim.id, claim.form, span, status, _margin(claim, motion), _failure(claim))
+        table.add_row(id, form, span, f"[{colour}]{word}[/]{rest}", margin, failure)
     return table
+
+
+def cells(claim: Claim, motion: str) -> tuple[str, str, str, str, str, str]:
+    """A claim's row, as plain text."""
+    low, high = claim.interval
+    span = f"[{decimal(low, ROUND_CEILING)}, {'∞' if high is None else decimal(high)}]"
+    status = claim.status.value + ("" if claim.required else " (reported)")
+    return claim.id, claim.form, span, status, _margin(claim, motion), _failure(claim)
 
 
 def _margin(claim: Claim, motion: str) -> str:
@@ -100,7 +106,7 @@ def _margin(claim: Claim, motion: str) -> str:
     unit = UNIT.get(claim.form, "holds for {} × W")
     if motion == "linear":
         unit = unit.replace("N·m·s/rad", "N·s/m")
-    return unit.format(decimal(claim.margin))
+    return unit.format(decimal(claim.margin, ROUND_CEILING if "≤" in unit else ROUND_FLOOR))
 
 
 def _failure(claim: Claim) -> str:
@@ -113,9 +119,10 @@ def _failure(claim: Claim) -> str:
     return f"{decimal(claim.refuted_at.value)} at {where} rad/s"
 
 
-def decimal(value: Fraction) -> str:
-    """A short decimal for reading; exact text is in the certificate."""
-    return f"{float(value):.6g}"
+def decimal(value: Fraction, rounding: str = ROUND_FLOOR) -> str:
+    """Six digits for reading, rounded to where what is proven still holds; exact text is in the certificate."""
+    short = Context(prec=6, rounding=rounding).divide(Decimal(value.numerator), Decimal(value.denominator))
+    return f"{float(short):.6g}"
 
 
 def show_bound(limit: Bound, to: Console) -> None:

@@ -28,7 +28,11 @@ def data_files(node: Node, folder: Path | None) -> dict[str, Path]:
         found = sorted(path.relative_to(home).as_posix() for path in home.glob(name))
     except (OSError, ValueError, RuntimeError, NotImplementedError) as error:
         raise InputError(f"the files cannot be looked for: {_reason(error)}", node.where) from None
-    require(bool(found), f"expected CSV files; nothing here is named {shown(name)}", node.where)
+    require(
+        bool(found),
+        f"expected CSV files; nothing here is named {shown(name)}; paths begin at the specification's folder",
+        node.where,
+    )
     message = f"expected at most {MAX_FILES} files; {shown(name)} names {len(found)}; put several records into one"
     require(len(found) <= MAX_FILES, message, node.where)
     return {name: _regular(home, name, node.where) for name in found}
@@ -63,7 +67,11 @@ def _regular(folder: Path, name: str, where: Location) -> Path:
     try:
         inside = target.resolve().is_relative_to(folder.resolve())
         require(inside, "expected a file inside the specification's folder; this is a link to outside of it", where)
-        require(target.exists(), f"expected a CSV file; {shown(name)} does not exist", where)
+        require(
+            target.exists(),
+            f"expected a CSV file; {shown(name)} does not exist; its path begins at the specification's folder",
+            where,
+        )
         # A pipe or a device would be read for ever.
         require(target.is_file(), f"expected a CSV file; {shown(name)} is no regular file", where)
     except (OSError, ValueError, RuntimeError) as error:  # ValueError: a null character; RuntimeError: a loop of links

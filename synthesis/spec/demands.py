@@ -35,7 +35,7 @@ def controller(node: Node) -> Controller:
     section = entries(node, ("type",), (*_CHOICES, "filters"))
     kind = cast(Literal["dob", "dynamic-feedback"], word(section["type"], *ORDERS))
     given = [key for key in _CHOICES if key in section]
-    found = " and ".join(given) or "none"
+    found = f"{' and '.join(given)}; keep one" if given else "none; write order: 4, for instance"
     require(len(given) == 1, f"expected exactly one of order, form, coefficients; found {found}", node.where)
     if "form" in section:
         form = word(section["form"], *(form for forms in FORMS.values() for form in forms))
@@ -57,7 +57,7 @@ def objective(node: Node) -> Objective:
     attenuation = above(section["attenuation"], 0, RATIO)
     given = section["attenuation"]
     message = f"expected an attenuation below 1, the part of a disturbance that remains; found {described(given)}"
-    require(attenuation < 1, message, given.where)
+    require(attenuation < 1, f"{message}; write 0.3 or 30 %", given.where)
     rendering = section.get("rendering_error")
     return Objective(
         maximize="bandwidth",
@@ -87,7 +87,7 @@ def _order(node: Node, kind: str) -> int:
     low, high = ORDERS[kind]
     what = {"dob": "an order of Q from 2 to 8", "dynamic-feedback": "an order of C_imp from 0 (P) to 8"}[kind]
     order = integer(node, what)
-    require(low <= order <= high, f"expected {what}; found {described(node)}", node.where)
+    require(low <= order <= high, f"expected {what}; found {described(node)}; write order: 4, say", node.where)
     return order
 
 
@@ -96,7 +96,11 @@ def _given(node: Node, kind: str) -> Polynomials:
     given = polynomials(node)
     biproper = len(given.numerator) == len(given.denominator)
     looped = kind == "dob" and biproper and given.numerator[0] == given.denominator[0]
-    require(not looped, "expected Q(∞) ≠ 1; found Q(∞) = 1, so that C = Q/(1−Q) is not proper", node.where)
+    require(
+        not looped,
+        "expected Q(∞) ≠ 1; found Q(∞) = 1, so that C = Q/(1−Q) is not proper; lower the numerator's degree",
+        node.where,
+    )
     return given
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
@@ -21,7 +22,7 @@ _MISREAD = tuple(
         (r"$", "it is empty: write a number"),
         (r"(null|~)$", "null is not a number: write the value, or remove the line where the key is optional"),
         (r"(y|n|yes|no|on|off|true|false)$", "it is a truth word: write a number"),
-        (r"[+-]?\.?(nan|inf|infinity)$", "a number must be finite"),
+        (r"[+-]?\.?(nan|inf|infinity)$", "a number must be finite: write its value, or check where it comes from"),
         (r"[+-]?[0-9]+_[0-9_]*", "write the digits without underscores"),
         (r"[+-]?0[xob]", "write the number in decimal digits"),
         (r"[+-]?[0-9]+:[0-9]", "colons make it a base-60 number to some readers: write a decimal number"),
@@ -58,7 +59,9 @@ def bounded(value: Fraction) -> Fraction:
     """
     limit = 10**MAX_EXPONENT
     if value and not Fraction(1, limit) <= abs(value) <= limit:
-        raise ValueError(f"its magnitude in SI must lie between 1e-{MAX_EXPONENT} and 1e{MAX_EXPONENT}")
+        raise ValueError(
+            f"its magnitude in SI must lie between 1e-{MAX_EXPONENT} and 1e{MAX_EXPONENT}: check it and its unit"
+        )
     if max(abs(value.numerator), value.denominator) >= 10**MAX_RATIO_DIGITS:
         raise ValueError(f"as a ratio of integers it has more than {MAX_RATIO_DIGITS} digits")
     return value
@@ -76,6 +79,16 @@ def decimal_text(value: Fraction) -> str:
         return f"{Decimal(value.numerator) / Decimal(value.denominator):g}"
 
 
+def polynomial_text(coefficients: Sequence[Fraction]) -> str:
+    """`s^2 + 70.75 s + 2500` of coefficients in descending powers, six digits each; never read back."""
+    terms = []
+    for power, c in zip(range(len(coefficients) - 1, -1, -1), coefficients, strict=True):
+        if c:
+            s = {0: "", 1: " s"}.get(power, f" s^{power}")
+            terms.append(s.strip() if c == 1 and power else f"{float(c):.6g}{s}")
+    return " + ".join(terms or ["0"]).replace("+ -", "− ")
+
+
 def _ratio(text: str) -> Fraction:
     numerator, _, denominator = text.partition("/")
     if max(len(numerator.lstrip("+-")), len(denominator)) > MAX_RATIO_DIGITS:
@@ -91,5 +104,5 @@ def _decimal(text: str) -> Fraction:
         raise ValueError(f"at most {MAX_DIGITS} digits")
     # Judged before any power of ten is built: 1e999999999 must cost nothing.
     if len(exponent) > 6 or abs(int(exponent or 0)) > MAX_EXPONENT:
-        raise ValueError(f"its exponent must lie between -{MAX_EXPONENT} and {MAX_EXPONENT}")
+        raise ValueError(f"its exponent must lie between -{MAX_EXPONENT} and {MAX_EXPONENT}: check it and its unit")
     return Fraction(text)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from difflib import get_close_matches
 from fractions import Fraction
 from typing import TypeVar
 
 from ..errors import InputError, Location
 from .model import Polynomials
+from .suggestion import suggestion
 from .tree import Mapping, Node, Scalar, Sequence, joined, shown
 from .units import PLAIN, Dimension, parse_quantity
 
@@ -51,24 +51,16 @@ def entries(node: Node, required: Iterable[str] = (), optional: Iterable[str] = 
     known = (*required, *optional)
     found: dict[str, Node] = {}
     for key, (place, value) in node.entries.items():
-        require(key in known, f"unknown key; {suggestion(key, known)}", place)
+        require(key in known, f"unknown key; {suggestion(key, known, node.where.key or '')}", place)
         if key in optional and is_null(value):
             continue
         found[key] = value
     for key in required:
         where = node.where
         place = Location(where.file, where.line, where.column, joined(where.key, key))
-        require(key in found, "expected this key; it is missing, and it has no default", place)
+        message = f"expected this key; it is missing, and it has no default; add `{key}:` here"
+        require(key in found, message, place)
     return found
-
-
-def suggestion(text: str, choices: Iterable[str]) -> str:
-    """`did you mean …?`, or the choices where nothing is near."""
-    known = tuple(choices)
-    near = get_close_matches(text[:80], known, n=1)
-    if near:
-        return f"did you mean `{near[0]}`?"
-    return f"expected one of {', '.join(known)}" if known else "this section has no keys; write {}"
 
 
 def word(node: Node, *choices: str) -> str:
@@ -93,21 +85,24 @@ def integer(node: Node, what: str) -> int:
     if not isinstance(node, Scalar):
         raise InputError(f"expected {what}; found {described(node)}", node.where)
     value = parsed(node, f"expected {what}", lambda text: parse_quantity(text, PLAIN))
-    require(value.denominator == 1, f"expected {what}; found {shown(node.text)}", node.where)
+    message = f"expected {what}; found {shown(node.text)}; write a whole number"
+    require(value.denominator == 1, message, node.where)
     return int(value)
 
 
 def above(node: Node, bound: int, dimension: Dimension = PLAIN) -> Fraction:
     """A quantity > bound."""
     value = quantity(node, dimension)
-    require(value > bound, f"expected {dimension.name} > {bound}; found {described(node)}", node.where)
+    message = f"expected {dimension.name} > {bound}; found {described(node)}; write a number above {bound}"
+    require(value > bound, message, node.where)
     return value
 
 
 def non_negative(node: Node, dimension: Dimension = PLAIN) -> Fraction:
     """A quantity ≥ 0."""
     value = quantity(node, dimension)
-    require(value >= 0, f"expected {dimension.name} ≥ 0; found {described(node)}", node.where)
+    message = f"expected {dimension.name} ≥ 0; found {described(node)}; write 0 or a number above it"
+    require(value >= 0, message, node.where)
     return value
 
 
@@ -121,12 +116,13 @@ def polynomials(node: Node, *, zero: bool = False) -> Polynomials:
     section = entries(node, ("numerator", "denominator"))
     numerator, denominator = (_coefficients(section[key]) for key in ("numerator", "denominator"))
     top, bottom = section["numerator"].where, section["denominator"].where
-    require(any(denominator), "expected a denominator; every coefficient is zero", bottom)
+    require(any(denominator), "expected a denominator; every coefficient is zero; write one that is not", bottom)
     require(denominator[0] != 0, "expected a non-zero leading coefficient; found 0; leave it out", bottom)
-    require(zero or any(numerator), "expected a numerator; every coefficient is zero", top)
+    require(zero or any(numerator), "expected a numerator; every coefficient is zero; write one that is not", top)
     while numerator[0] == 0 and len(numerator) > 1:
         numerator = numerator[1:]
-    message = "expected a proper rational function; found a numerator of higher degree than the denominator"
+    found = "found a numerator of higher degree than the denominator"
+    message = f"expected a proper rational function; {found}; write at most {len(denominator)} coefficients"
     require(len(numerator) <= len(denominator), message, top)
     return Polynomials(numerator=numerator, denominator=denominator)
 
@@ -134,7 +130,10 @@ def polynomials(node: Node, *, zero: bool = False) -> Polynomials:
 def _coefficients(node: Node) -> tuple[Fraction, ...]:
     if not isinstance(node, Sequence) or not node.items:
         found = "an empty list" if isinstance(node, Sequence) else described(node)
-        raise InputError(f"expected a list of coefficients, descending powers of s; found {found}", node.where)
+        advice = "write them in brackets, [1, 70, 2500]"
+        raise InputError(
+            f"expected a list of coefficients, descending powers of s; found {found}; {advice}", node.where
+        )
     require(
         len(node.items) <= MAX_DEGREE + 1,
         f"expected a degree of at most {MAX_DEGREE}; found {len(node.items) - 1}",

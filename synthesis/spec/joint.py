@@ -102,5 +102,9 @@ def _torque_loop(node: Node) -> TorqueLoop:
         feedforward=non_negative(section["feedforward"], PLAIN),
     )
     idle = loop.kp == loop.kd == loop.feedforward == 0
-    require(not idle, "expected kp, kd or feedforward > 0; all are zero, and no torque is transmitted", node.where)
+    require(
+        not idle,
+        "expected kp, kd or feedforward > 0; all are zero, and no torque is transmitted; write feedforward: 1",
+        node.where,
+    )
     return loop

@@ -89,6 +89,22 @@ def build_spec(root: Node, folder: Path | None = None) -> Spec:
     )
 
 
+def place_of(path: str | Path, key: str) -> Location:
+    """Where a dotted key stands in a file, or the last part of it that does; without line if the file is no tree."""
+    path = Path(path)
+    where = Location(str(path))
+    try:
+        node = read_tree(path.read_bytes(), str(path))
+    except (InputError, OSError):
+        return where
+    for part in key.split("."):
+        if not isinstance(node, Mapping) or part not in node.entries:
+            break
+        place, node = node.entries[part]
+        where = Location(place.file, place.line, place.column)
+    return where
+
+
 class _Sections:
     """Reads section after section, keeping the fault of each."""
 
@@ -119,7 +135,7 @@ def _top(root: Node) -> dict[str, Node]:
     if isinstance(root, Mapping) and "robimp" in root.entries:
         version = root.entries["robimp"][1]
         what = "the format version 1"
-        message = f"expected {what}; found {described(version)}; this release reads no other"
+        message = f"expected {what}; found {described(version)}; this release reads no other; write robimp: 1"
         require(integer(version, what) == 1, message, version.where)
     return entries(root, _REQUIRED, optional=_OPTIONAL)
 
@@ -128,5 +144,7 @@ def _name(node: Node) -> str:
     # It becomes the name of the output folder.
     valid = isinstance(node, Scalar) and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", node.text)
     rule = "1 to 64 letters, digits, dots, dashes or underscores, the first a letter or digit"
-    require(bool(valid), f"expected a name of {rule}; found {described(node)}", node.where)
+    better = re.sub(r"[^A-Za-z0-9._-]+", "-", node.text).strip("._-")[:64] if isinstance(node, Scalar) else ""
+    advice = f"; write {better or 'my-joint'}"
+    require(bool(valid), f"expected a name of {rule}; found {described(node)}{advice}", node.where)
     return cast(Scalar, node).text

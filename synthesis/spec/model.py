@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import BaseModel, ConfigDict
+
+from ..notebook import card
+from .exact import polynomial_text
+from .outline import outline
 
 
 class Section(BaseModel):
@@ -41,6 +45,23 @@ class Polynomials(Section):
 
     numerator: tuple[Fraction, ...]
     denominator: tuple[Fraction, ...]
+
+    def to_control(self) -> Any:
+        """The nearest `control.TransferFunction`.
+
+        >>> from robimp.synthesis import load
+        >>> spec = load("examples/haninger2016-paper.yaml")
+        >>> spec.controller.coefficients.to_control().dcgain().item()
+        0.8
+        """
+        import control
+
+        return control.tf([float(c) for c in self.numerator], [float(c) for c in self.denominator])
+
+    def __str__(self) -> str:
+        return f"({polynomial_text(self.numerator)}) / ({polynomial_text(self.denominator)})"
+
+    __repr__ = __str__
 
 
 class ActuatorBox(Section):
@@ -240,3 +261,11 @@ class Spec(Section):
     objective: Objective
     constraints: Constraints
     sampling: Sampling | None = None
+
+    def __repr__(self) -> str:
+        return f"<Spec {self.name}: {self.motion}, {self.actuator.type}, {self.controller.type}>"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        return card(self.name, "specification", rows=outline(self))

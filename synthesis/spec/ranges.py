@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 
 from ..errors import InputError
@@ -16,7 +17,7 @@ def interval(node: Node, dimension: Dimension) -> Interval:
     """A list `[low, high]` of two quantities, low ≤ high."""
     if not isinstance(node, Sequence) or len(node.items) != 2:
         found = f"a list of {len(node.items)}" if isinstance(node, Sequence) else described(node)
-        raise InputError(f"expected a list [low, high]; found {found}", node.where)
+        raise InputError(f"expected a list [low, high]; found {found}; write two numbers", node.where)
     low, high = (quantity(item, dimension) for item in node.items)
     require(low <= high, f"expected low ≤ high; found {_shown(low, high)}; swap them", node.where)
     return low, high
@@ -33,10 +34,13 @@ def around(node: Node, dimension: Dimension, nominal: Fraction) -> Interval:
     if within is not None:
         return within
     if not isinstance(node, Sequence):
-        message = f'expected "±20 %" or [low, high]; found {described(node)}; write [v, v] if the value v is exact'
+        bare = re.fullmatch(r"(?:±\s*)?([0-9.]+)\s*%|±\s*([0-9.]+)", node.text) if isinstance(node, Scalar) else None
+        share = f'write "±{bare[1] or bare[2]} %", or ' if bare else "write "
+        message = f'expected "±20 %" or [low, high]; found {described(node)}; {share}[v, v] if the value v is exact'
         raise InputError(message, node.where)
     low, high = interval(node, dimension)
     message = f"expected an interval that holds the nominal value {decimal_text(nominal)}; found {_shown(low, high)}"
+    message += "; widen it, or correct the nominal value"
     require(low <= nominal <= high, message, node.where)
     return low, high
 
@@ -63,6 +67,8 @@ def one_or_range(node: Node, dimension: Dimension, nominal: Fraction | None = No
             raise ValueError("say of what: write the value before it, such as 1.25 ±20 %, or [low, high]")
         elif value == "nominal":
             raise ValueError("only the inertia can stay the load's own: write a number")
+        elif share is None and re.fullmatch(r"[0-9.]+\s*(\.\.+|…|–|-|:|to)\s*[0-9.]+", value):
+            raise ValueError("write a range as [low, high]")
         elif share is None and "±" in value:
             raise ValueError("a tolerance is a share of the value: write a percent sign behind it, such as 1.25 ±20 %")
         else:

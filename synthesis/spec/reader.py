@@ -21,6 +21,7 @@ from ruamel.yaml.events import (
 )
 
 from ..errors import InputError, Location
+from .refusal import refusal
 from .tree import MAX_DEPTH, Mapping, Node, Scalar, Sequence, joined
 
 # Bounds on the text, before YAML sees it: the scanner's time grows with the square of some of them.
@@ -79,7 +80,8 @@ class _Reader:
                 raise InputError("expected YAML 1.2; remove the %YAML line", self.place(event))
             root = self.node(self.next(), None, 0)
         if root is None:
-            raise InputError("expected a specification; the file is empty", Location(self.file, 1, 1))
+            message = "expected a specification; the file is empty; `robimp init` writes one to start from"
+            raise InputError(message, Location(self.file, 1, 1))
         return root
 
     def next(self) -> Any:
@@ -87,7 +89,7 @@ class _Reader:
         try:
             event = next(self.events, None)
         except MarkedYAMLError as error:
-            raise self.refusal(error) from None
+            raise refusal(error, self.text, self.last) from None
         except YAMLError as error:  # a character YAML forbids; the reader knows only its position
             position = getattr(error, "position", 0)
             line = self.text.count("\n", 0, position) + 1
@@ -99,16 +101,6 @@ class _Reader:
         if event is not None:
             self.last = self.place(event)
         return event
-
-    def refusal(self, error: MarkedYAMLError) -> InputError:
-        problem = " ".join(str(error.problem).split())
-        problem = problem if problem.isprintable() else ascii(problem)
-        # What never ends is looked for where it begins.
-        endless = "end of stream" in problem and error.context_mark
-        mark = error.context_mark if endless else error.problem_mark
-        where = Location(self.file, mark.line + 1, mark.column + 1) if mark else self.last
-        context = f" ({error.context})" if error.context else ""
-        return InputError(f"not valid YAML: {problem}{context}; check brackets, quotes and indentation", where)
 
     def place(self, event: Any, key: str | None = None) -> Location:
         return Location(self.file, event.start_mark.line + 1, event.start_mark.column + 1, key)
@@ -141,6 +133,8 @@ class _Reader:
             if not isinstance(name, Scalar):
                 raise InputError("expected a key; found a section or a list; keys are single words", name.where)
             at = self.place(event, joined(key, name.text))
+            if name.text == "<<" and name.plain:
+                raise InputError("merge keys (<<) are not accepted; write the keys out", at)
             if name.text in seen:
                 raise InputError(f"the key is given twice, first in line {seen[name.text]}; keep one", at)
             seen[name.text] = at.line

@@ -72,6 +72,7 @@ def _intervals(
     for key, (low, _) in found.items():
         sign = "> 0" if key in _SPRUNG else "≥ 0"
         message = f"expected a box in which every {key} is {sign}; found {decimal_text(low)} at its low end"
+        message += "; write a smaller share, or [low, high]"
         require(low > 0 or (low == 0 and key not in _SPRUNG), message, section[key].where)
     return found
 
@@ -80,7 +81,7 @@ def _table(node: Node, folder: Path | None) -> Table:
     section = entries(node, optional=("file", "points", "beyond", "measured"))
     where = node.where
     given = " and ".join(key for key in ("file", "points") if key in section) or "none"
-    require(given in ("file", "points"), f"expected exactly one of file, points; found {given}", where)
+    require(given in ("file", "points"), f"expected exactly one of file, points; found {given}; keep one", where)
     missing = Location(where.file, where.line, where.column, joined(where.key, "beyond"))
     message = "write `beyond: hold` to say that the first bound holds down to ω = 0 and the last one up to ω = ∞"
     require("beyond" in section, f"expected this key; it is missing, and it has no default; {message}", missing)

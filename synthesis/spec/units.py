@@ -80,7 +80,7 @@ def parse_quantity(text: str, dimension: Dimension) -> Fraction:
     text = text.strip()
     match = _QUANTITY.fullmatch(text)
     # What only looks like a number is told apart before its tail is taken for a unit ("0x10", "1_000").
-    if not match or misread(text) or re.match(r"[0-9.+/-]", match[2]):
+    if not match or misread(text) or re.match(r"[0-9.+/*^:(-]", match[2]):
         return parse_number(text)
     value = parse_number(match[1])
     if not match[2]:

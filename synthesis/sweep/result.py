@@ -27,6 +27,15 @@ class Map:
     cells: dict[Index, Cell]
     certificates: bool = False
 
+    def __repr__(self) -> str:
+        said = ", ".join(f"{n} {status.value}" for status, n in self.counts.items() if n)
+        return f"<Map {self.plane.spec.name}: {len(self.cells)} cells, {said}>"
+
+    def _repr_html_(self) -> str:
+        from ..report.cards import map_card
+
+        return map_card(self)
+
     @property
     def counts(self) -> dict[Status, int]:
         """How many cells ended how."""

@@ -46,6 +46,11 @@ def map_plane(
 
     Raises: InputError for axes, cells or a folder that cannot be used; MismatchError for the journal of another map;
     UndecidedError when a cluster gives up. What happens in a cell is in the cell.
+
+    >>> from robimp.synthesis import map_plane
+    >>> axes = {"impedance.stiffness": "1:9:2", "impedance.damping": "0.2:0.4:2"}
+    >>> map_plane("examples/haninger2016-paper.yaml", axes, "map", processes=1)
+    <Map haninger2016-paper: 4 cells, 2 proven, 2 refuted>
     """
     if not isinstance(axes, tuple):
         axes = _two([Axis.parse(key, values) for key, values in axes.items()])

@@ -1,5 +1,6 @@
-"""The report: one HTML file that explains a certificate offline. `write_report({name: bytes}, path)`."""
+"""The report: one HTML file that explains certificates, or a map, offline."""
 
+from .files import report_files
 from .write import write_report
 
-__all__ = ["write_report"]
+__all__ = ["report_files", "write_report"]

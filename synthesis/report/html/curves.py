@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -18,11 +18,29 @@ from .words import load_names
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from ....models.controller import Compensator
     from ...problem.setting import Setting
     from .study import CheckedClaim, Study
 
     Real = NDArray[np.float64]
     Complex = NDArray[np.complex128]
+
+
+class Loop(Protocol):
+    """A joint with its controller, at the frequencies (n,) [rad/s] of a curve."""
+
+    @property
+    def setting(self) -> Setting:
+        """Its models."""
+
+    @property
+    def compensator(self) -> Compensator:
+        """Its controller."""
+
+    @property
+    def omega(self) -> Real:
+        """[rad/s]."""
+
 
 NEVER = 1e-9  # a factor on W so small that an inequality which fails with it holds with none
 
@@ -70,7 +88,7 @@ class Port:
     wish: Complex
 
 
-def ports(study: Study) -> list[Port]:
+def ports(study: Loop) -> list[Port]:
     """Every corner of the box of loads after the nominal load, at each end of every range of impedances."""
     loads = list(dict.fromkeys([study.setting.uncertainty.nominal, *study.setting.uncertainty.corners()]))
     vertices = list(study.setting.vertices(actuators=False))
@@ -115,12 +133,12 @@ def _values(affine: Affine, X: Complex, omega: Real) -> Complex:
     return np.asarray(affine.constant.at(omega) + affine.slope.at(omega) * X)
 
 
-def least_resistance(study: Study) -> Real:
+def least_resistance(study: Loop) -> Real:
     """Smallest `Re(Z/jω)` over the joints of `ports` [N·m·s/rad]: what (12) keeps from falling below 0. (n,)."""
     return np.asarray(np.min([(port.Z / (1j * study.omega)).real for port in ports(study)], axis=0))
 
 
-def filters(study: Study) -> Iterator[tuple[str, Complex]]:
+def filters(study: Loop) -> Iterator[tuple[str, Complex]]:
     """Q, Q̃ and what is left of a disturbance, 1−Q̃, by name; of uncertain actuators the nominal one. Values: (n,)."""
     variables = study.setting.variables(study.compensator)
     X = variables[Variable.Q_TILDE].at(study.omega)

@@ -37,6 +37,7 @@ class Figure:
     annotations: list[dict[str, Any]] = field(default_factory=list)
     wide: bool = False
     square: bool = False
+    tall: bool = False
 
     @property
     def data(self) -> dict[str, Any]:

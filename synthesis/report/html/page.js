@@ -6,7 +6,7 @@
   const system = matchMedia("(prefers-color-scheme: dark)");
   const button = document.getElementById("theme");
   const BUTTONS = [["zoom2d", "pan2d", "resetScale2d", "toImage"]];
-  const PRINTED = { wide: 690, half: 335, height: 240, square: 310 };
+  const PRINTED = { wide: 690, half: 335, height: 240, square: 310, tall: 440 };
   let chosen = null; // "light" or "dark" once the reader has said so
 
   const colour = (name) => getComputedStyle(root).getPropertyValue(name).trim();
@@ -14,7 +14,7 @@
   // Colours are names of the style sheet's variables: "--blue".
   function resolved(value) {
     if (typeof value === "string") return value.startsWith("--") ? colour(value) : value;
-    if (Array.isArray(value)) return value.length && typeof value[0] === "object" ? value.map(resolved) : value;
+    if (Array.isArray(value)) return value.length > 2 && typeof value[0] === "number" ? value : value.map(resolved);
     if (value === null || typeof value !== "object") return value;
     return Object.fromEntries(Object.entries(value).map(([key, item]) => [key, resolved(item)]));
   }
@@ -82,7 +82,7 @@
     dress(true);
     places.forEach((place, k) => !place.dataset.drawn && visible(place) && draw(k));
     redraw((place) => ({
-      autosize: false, height: place.closest(".square") ? PRINTED.square : PRINTED.height,
+      autosize: false, height: PRINTED[["square", "tall"].find((kind) => place.closest(`.${kind}`)) || "height"],
       width: place.closest(".wide") ? PRINTED.wide : PRINTED.half,
     }));
   });

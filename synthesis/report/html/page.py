@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
@@ -20,28 +20,38 @@ Together = tuple[list["Figure"], tuple[list[str], list[list[str]]]]  # plots, an
 
 
 def page(chapters: Sequence[Chapter], names: Sequence[str], together: Together | None) -> str:
-    """The HTML. Every text is escaped by the template; data of plots is JSON in which `<` cannot end a script."""
+    """The HTML about certificates; together: what compares them."""
+    figures = [] if together is None else [*together[0]]
+    figures += [figure for chapter in chapters for section in chapter.sections for figure in section.figures]
+    return rendered(
+        "page.html",
+        figures,
+        title=", ".join(names),
+        heading=names[0] if together is None else f"{len(names)} certificates",
+        subtitle="Robust impedance control with proofs: what is proven, how tight it is, and what it looks like.",
+        chapters=list(zip(names, chapters, strict=True)),
+        together=together,
+    )
+
+
+def rendered(template: str, drawn: Iterable[Figure], **context: Any) -> str:
+    """The HTML of a template and the figures drawn on it, in its order: the script draws the k-th into the k-th place.
+
+    Every text is escaped by the template; data of plots is JSON in which `<` cannot end a script.
+    """
     environment = Environment(
         loader=FunctionLoader(asset), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
-    return environment.get_template("page.html").render(
-        chapters=list(zip(names, chapters, strict=True)),
-        together=together,
+    return environment.get_template(template).render(
         style=Markup(asset("page.css")),
         script=Markup(asset("page.js")),
         plotly=Markup(asset("plotly-cartesian.min.js")),
-        drawn=_drawn(chapters, together),
+        drawn=[figure.data for figure in drawn],
+        **context,
     )
 
 
 def asset(name: str) -> str:
     """A file beside this module."""
     return files(__package__).joinpath(name).read_text(encoding="utf-8")
-
-
-def _drawn(chapters: Sequence[Chapter], together: Together | None) -> list[dict[str, Any]]:
-    """Every figure's data, in the order of the page: what the script draws into the k-th place for a plot."""
-    figures = [] if together is None else [*together[0]]
-    figures += [figure for chapter in chapters for section in chapter.sections for figure in section.figures]
-    return [figure.data for figure in figures]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from decimal import Context, Decimal
+from decimal import ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +36,11 @@ def number(value: Fraction | float) -> str:
 def rounded(value: Fraction, digits: int) -> Decimal:
     """The nearest decimal with so many digits, without trailing zeros; of any size."""
     return Context(prec=digits).divide(Decimal(value.numerator), Decimal(value.denominator)).normalize()
+
+
+def floor(value: Fraction) -> str:
+    """Six digits, rounded down: what is proven of the exact number holds of the printed one."""
+    return f"{Context(prec=SHORT, rounding=ROUND_FLOOR).divide(Decimal(value.numerator), Decimal(value.denominator)):f}"
 
 
 def _written(decimal: Decimal, digits: int) -> str:
