@@ -26,7 +26,8 @@ FIRST_POINTS = 16  # of the program, for each inequality
 SHORT = 1e-4  # relative shortfall that makes a frequency join the program
 INACCURATE = 1e-3  # shortfall, or distance from the level promised, at which a solution is none
 LEVEL, COARSE_LEVEL = 5e-4, 0.02  # |log| of the level at which ω_B is found
-SLOPE = 3.0  # of log level over log ω, before two points tell
+SLOPE = 2.0  # of log level over log ω, before two points tell
+SHARE = 0.05  # of the level's distance from 1: a shortfall that is small enough to take the next step
 STEPS = 30  # of the search for ω_B
 TIGHT = 1e-6  # the multiplier of a row that stays in the program when ω_B moves
 BINDS = 1e-3  # of the largest multiplier of a constraint: where it binds
@@ -142,7 +143,8 @@ class BandProgram:
             for watched, (_, chosen), weights in zip(self.watched, parts, solution.weights, strict=False):
                 watched.tight = chosen[weights > TIGHT]
             joined, short = self._joined(solution.value, end)
-            if solution.value > BEYOND:  # more frequencies can only raise the level
+            far = abs(solution.value - 1)
+            if solution.value > BEYOND or short < SHARE * far:  # more frequencies can only raise the level
                 return solution.value
             if not joined:
                 return Failure.UNSOLVED if short > INACCURATE else solution.value

@@ -29,10 +29,12 @@ if TYPE_CHECKING:
 Progress = Callable[[str], None]
 
 ROUGH_TERMS, FIRST_TERMS, GROWTH, MOST_TERMS = 20, 48, 1.25, 150
-NEAR, MOVES = 0.03, 4  # how close to ω_B the poles have to be placed, and how often they are moved there
+NEAR, MOVES = 0.1, 4  # how close to ω_B the poles have to be placed, and how often they are moved there
+FINER = 4
 CONVERGED = 0.01  # relative growth of ω_B below which the basis is large enough
 NEARLY = 0.99  # of the highest frequency of the first grid: no limit was met
 SPREAD, DENSE = 300, 600  # points of the grid, over everything and around ω_B, besides those of the resonances
+BEYOND, TAIL = 1e3, 30  # how far beyond the joint's frequencies Q̃ is watched as it dies out, at so many points
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ def bound(setting: Setting, terms: int | None = None, progress: Progress = lambd
     while True:
         progress(f"bound: convex program with {size} terms")
         basis = Basis(around, size, _roll_off(setting))
-        program = BandProgram(setting, resolving(setting, basis), basis, like=program)
+        program = BandProgram(setting, resolving(setting, basis, FINER), basis, like=program)
         found = program.largest_band(around)
         if isinstance(found, Failure):
             if before is None:
@@ -110,6 +112,7 @@ def resolving(setting: Setting, basis: Basis, finer: int = 1) -> NDArray[np.floa
     """A grid on which no resonance of the basis hides between two points, or one so many times finer. [rad/s]."""
     coarse = grid(setting, around=basis.around, spread=SPREAD, dense=DENSE)
     coarse = np.union1d(coarse, basis.resonances())
+    coarse = np.append(coarse, coarse[-1] * np.geomspace(1, BEYOND, TAIL)[1:])
     places = np.arange(finer * (coarse.size - 1) + 1) / finer
     return np.interp(places, np.arange(coarse.size), coarse)
 
