@@ -211,7 +211,10 @@ def _search(
         raise reason.error()
     shared = Shared() if shared is None else shared
     if shared.bound is None:
-        shared.bound = bound(setting, progress=progress)
+        try:
+            shared.bound = bound(setting, progress=progress)
+        except UndecidedError as error:  # the search does without
+            progress(str(error))
     limit = shared.bound
     low, high = frequency_scale(setting)
     expected = limit.omega_B if limit is not None else max((w for _, w in starts), default=(low * high) ** 0.5)

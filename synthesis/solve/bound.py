@@ -30,10 +30,9 @@ Progress = Callable[[str], None]
 
 ROUGH_TERMS, FIRST_TERMS, GROWTH, MOST_TERMS = 20, 48, 1.25, 150
 NEAR, MOVES = 0.1, 4  # how close to ω_B the poles have to be placed, and how often they are moved there
-FINER = 4
 CONVERGED = 0.01  # relative growth of ω_B below which the basis is large enough
-NEARLY = 0.99  # of the highest frequency of the first grid: no limit was met
-SPREAD, DENSE = 300, 600  # points of the grid, over everything and around ω_B, besides those of the resonances
+NEARLY = 0.99  # of the highest frequency that is looked at: no limit was met
+SPREAD, DENSE, FINER = 300, 600, 4  # points over everything and around ω_B, besides resonances; then so many times more
 BEYOND, TAIL = 1e3, 30  # how far beyond the joint's frequencies Q̃ is watched as it dies out, at so many points
 
 
@@ -73,19 +72,20 @@ def bound(setting: Setting, terms: int | None = None, progress: Progress = lambd
     Raises: UndecidedError where the solver fails before there is any figure.
     """
     low, high = frequency_scale(setting)
-    wide = BandProgram(setting, grid(setting, spread=200), Basis((low * high) ** 0.5, ROUGH_TERMS, _roll_off(setting)))
+    rough = Basis((low * high) ** 0.5, ROUGH_TERMS, _roll_off(setting), high)
+    wide = BandProgram(setting, resolving(setting, rough), rough)
     around = wide.largest_band((low * high) ** 0.5, coarse=True)
     if around is Failure.INFEASIBLE:
         return None
     if isinstance(around, Failure):
         raise _undecided(around, ROUGH_TERMS)
-    highest = float(wide.omega[-1])
+    highest = float(grid(setting)[-1])
     if around > NEARLY * highest:
         return _result(wide, highest, limited=False)
     size, moves, before, program = terms or FIRST_TERMS, 0, None, wide
     while True:
         progress(f"bound: convex program with {size} terms")
-        basis = Basis(around, size, _roll_off(setting))
+        basis = Basis(around, size, _roll_off(setting), high)
         program = BandProgram(setting, resolving(setting, basis, FINER), basis, like=program)
         found = program.largest_band(around)
         if isinstance(found, Failure):
@@ -117,9 +117,7 @@ def resolving(setting: Setting, basis: Basis, finer: int = 1) -> NDArray[np.floa
     return np.interp(places, np.arange(coarse.size), coarse)
 
 
-def _result(
-    program: BandProgram, omega_B: float, growth: float | None = None, *, limited: bool = True
-) -> Bound:
+def _result(program: BandProgram, omega_B: float, growth: float | None = None, *, limited: bool = True) -> Bound:
     """The bound of the last solution; without a limit nothing binds."""
     dropped = tuple(dict.fromkeys(c.id for c in program.dropped))
     binding = program.binding() if limited else ()

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ACCURACY = 1e-6  # asked of the solver; with less it stops early, with more it stops at rounding, "almost" done
+REGULARIZED = 1e-7  # on the diagonal of its linear systems: with the 1e-8 it has by itself it breaks off on some bases
 SOLVED, EMPTY = ("Solved", "AlmostSolved"), ("PrimalInfeasible", "AlmostPrimalInfeasible")
 
 
@@ -83,6 +84,7 @@ def minimise(c: NDArray[np.float64], blocks: Sequence[Block]) -> Solution | Fail
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = ACCURACY
+    settings.static_regularization_constant = REGULARIZED
     matrix = sparse.csc_matrix(sparse.vstack(rows)) if extra else sparse.csc_matrix(np.vstack(rows))
     right = np.concatenate(constants)
     if not (np.all(np.isfinite(matrix.data)) and np.all(np.isfinite(right))):
