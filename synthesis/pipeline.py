@@ -19,7 +19,7 @@ from .certificate.claim import Claim
 from .certificate.claims import Counterexample, certify, counterexamples
 from .certificate.document import document, robustly_stable, verdict
 from .certificate.outcome import Outcome
-from .check import check_bytes
+from .check import Verdict, check_bytes
 from .errors import ExitCode, InputError, RefutedError, RobimpError, UndecidedError
 from .interruption import demand_none, demanding
 from .problem.grid import frequency_scale
@@ -46,13 +46,14 @@ VERDICT_CODE = {
 
 @dataclass(frozen=True)
 class Result:
-    """A certified controller: what was found, what was proven, what the simulation saw."""
+    """A certified controller: what was found, what was proven, what the checker and the simulation said of it."""
 
     spec: Spec
     coefficients: Polynomials
     claims: tuple[Claim, ...]
     bound: Bound | None
     certificate: dict[str, Any]
+    checked: Verdict
     trials: Trials
     agreement: Agreement
     sampled: SampledComparison
@@ -97,8 +98,8 @@ class Result:
         return result_card(self)
 
     def certificate_bytes(self) -> bytes:
-        """The certificate file's content."""
-        return (json.dumps(self.certificate, indent=1, ensure_ascii=False) + "\n").encode()
+        """The certificate file's content, as it was checked."""
+        return _bytes(self.certificate)
 
 
 def synthesize(
@@ -108,11 +109,13 @@ def synthesize(
     time_limit: float | None = None,
     starts: Sequence[tuple[Polynomials, float]] = (),
     shared: Shared | None = None,
+    seed: int = 0,
 ) -> Result:
     """Find (or take) a controller, prove every claim about it, have the proof re-checked, and simulate it.
 
     time_limit [s] bounds the search. starts: controllers of similar joints with their ω_B [rad/s],
     for the search to begin from as well. shared: what an earlier search on the same joint, of another order, has found.
+    seed: of the search's random starts; with the same one it finds the same digits.
     Raises: InfeasibleError with the constraint and frequency; UndecidedError when the
     search ends without a proven controller; InputError for a controller that cannot be realized; RobimpError when
     prover, checker and simulation disagree.
@@ -122,7 +125,7 @@ def synthesize(
     setting = setting_of(spec)
     if spec.controller.coefficients is None:
         coefficients, limit = _search(
-            setting, progress, None if time_limit is None else began + time_limit, starts, shared
+            setting, progress, None if time_limit is None else began + time_limit, starts, shared, seed
         )
     else:
         coefficients, limit = spec.controller.coefficients, None
@@ -132,7 +135,7 @@ def synthesize(
     bound = None if limit is None or not limit.limited else Fraction(f"{limit.omega_B:.6g}")
     certificate = document(setting, coefficients, claims, bound=bound, producer=_producer())
     progress("re-checking the certificate independently")
-    _recheck(certificate, claims)
+    checked = _recheck(certificate, claims)
     progress("simulating the physics")
     compensator = (certificate["controller"]["C"]["numerator"], certificate["controller"]["C"]["denominator"])
     numbers = tuple(tuple(Fraction(c) for c in part) for part in compensator)
@@ -158,7 +161,7 @@ def synthesize(
     sampled = sampled_comparison(spec, (numbers[0], numbers[1]))
     demand_none()
     seconds = time.monotonic() - began
-    return Result(spec, coefficients, claims, limit, certificate, trials, agreement, sampled, seconds)
+    return Result(spec, coefficients, claims, limit, certificate, checked, trials, agreement, sampled, seconds)
 
 
 def setting_of(spec: Spec) -> Setting:
@@ -223,6 +226,7 @@ def _search(
     deadline: float | None,
     starts: Sequence[tuple[Polynomials, float]],
     shared: Shared | None,
+    seed: int,
 ) -> tuple[Polynomials, Bound | None]:
     from .solve.bound import bound
     from .solve.infeasible import impossible
@@ -233,7 +237,10 @@ def _search(
         raise reason.error()
     shared = Shared() if shared is None else shared
     if shared.bound is None:
-        shared.bound = bound(setting, progress=progress)
+        try:
+            shared.bound = bound(setting, progress=progress)
+        except UndecidedError as error:  # the search does without
+            progress(str(error))
     limit = shared.bound
     low, high = frequency_scale(setting)
     expected = limit.omega_B if limit is not None else max((w for _, w in starts), default=(low * high) ** 0.5)
@@ -243,6 +250,7 @@ def _search(
         expected,
         progress,
         ideal=None if limit is None else limit.response,
+        seed=seed,
         deadline=deadline,
         starts=tuple(starts),
         known=shared.known,
@@ -270,14 +278,19 @@ def _refuting(setting: Setting, C: Compensator, omega_B: float) -> tuple[Counter
     return tuple(Counterexample(id, inf, False) for id in short)
 
 
-def _recheck(certificate: dict[str, Any], claims: tuple[Claim, ...]) -> None:
+def _bytes(certificate: dict[str, Any]) -> bytes:
+    return (json.dumps(certificate, indent=1, ensure_ascii=False) + "\n").encode()
+
+
+def _recheck(certificate: dict[str, Any], claims: tuple[Claim, ...]) -> Verdict:
     """Compare with the independent checker: its verdict, and claim by claim what it could not confirm."""
-    outcome, second = verdict(claims), check_bytes(json.dumps(certificate).encode())
+    outcome, second = verdict(claims), check_bytes(_bytes(certificate))
     short = {(c.id, c.form) for c in claims if c.required and c.status is not Outcome.PROVEN}
     doubted = {(id, form) for id, form, status, _ in second.claims if status == "not verified"}
     if second.exit_code != VERDICT_CODE[outcome] or doubted != short:
         said = next((text for id, form, _, text in second.claims if (id, form) in doubted - short), second.message)
         raise RobimpError(f"prover says {outcome.value}, the independent checker says: {said}")
+    return second
 
 
 def _producer() -> dict[str, str]:

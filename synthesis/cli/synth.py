@@ -12,6 +12,7 @@ from ..errors import ExitCode, InputError, RobimpError, UndecidedError
 from .common import Json, complain, dumped, finish, located, say
 
 if TYPE_CHECKING:
+    from ..pipeline import Result
     from ..spec.model import Spec
 
 Specs = Annotated[list[Path], typer.Argument(metavar="SPEC...", help="Specification files (YAML).")]
@@ -19,6 +20,7 @@ Orders = Annotated[
     str | None, typer.Option(metavar="A:B", help="Search every order from A to B instead, each with its certificate.")
 ]
 TimeLimit = Annotated[float | None, typer.Option(metavar="SECONDS", min=0.0, help="Stop searching after this long.")]
+Seed = Annotated[int, typer.Option(metavar="N", min=0, help="Of the random starts; the same seed, the same digits.")]
 
 
 def synth(
@@ -26,6 +28,7 @@ def synth(
     output: Annotated[Path | None, typer.Option("--output", "-o", metavar="DIR", help="Default: out/NAME.")] = None,
     orders: Orders = None,
     time_limit: TimeLimit = None,
+    seed: Seed = 0,
     as_json: Json = False,
 ) -> None:
     """Find the controller of largest bandwidth, prove it, have the proof re-checked, simulate it."""
@@ -42,9 +45,9 @@ def synth(
         for warning in spec_warnings(spec):
             complain(f"{path}: warning: {warning}")
         if wanted is None:
-            codes.append(_synth_one(path, spec, folder, time_limit, as_json))
+            codes.append(_synth_one(path, spec, folder, time_limit, seed, as_json))
         else:
-            codes += _synth_orders(path, wanted[index], folder, time_limit, as_json)
+            codes += _synth_orders(path, wanted[index], folder, time_limit, seed, as_json)
     finish(codes)
 
 
@@ -66,21 +69,21 @@ def _of_orders(path: Path, spec: Spec, orders: str) -> list[Spec]:
 
 
 def _synth_orders(
-    path: Path, specs: list[Spec], folder: Path, time_limit: float | None, as_json: bool
+    path: Path, specs: list[Spec], folder: Path, time_limit: float | None, seed: int, as_json: bool
 ) -> list[ExitCode]:
     """One certificate for each order, bandwidth against order under the bound; an order without one does not stop."""
-    from ..pipeline import Shared, synthesize
+    from ..pipeline import Result, Shared, synthesize
     from ..report.orders import OfOrder, figure, listed, show_orders
     from ..report.progress import status_line
     from ..storage import demand_writable, discard, write_atomic
 
-    shared, rows, codes, certificates = Shared(), list[OfOrder](), list[ExitCode](), dict[str, bytes]()
+    shared, rows, codes, results = Shared(), list[OfOrder](), list[ExitCode](), dict[str, Result]()
     for spec in specs:
         order, began = spec.controller.order or 0, time.monotonic()
         try:
             with located(path), status_line() as progress:
                 progress(f"order {order}")
-                result = synthesize(spec, progress, time_limit=time_limit, shared=shared)
+                result = synthesize(spec, progress, time_limit=time_limit, shared=shared, seed=seed)
         except UndecidedError as error:
             rows.append(OfOrder(order, None, time.monotonic() - began, str(error)))
             codes.append(error.exit_code)
@@ -88,15 +91,15 @@ def _synth_orders(
         place = folder / f"order-{order}"
         demand_writable(place)
         discard(*(folder / name for name in ("report.html", "orders.json", "orders.svg")))
-        certificates[f"{place.name}/certificate.json"] = result.certificate_bytes()
+        results[f"{place.name}/certificate.json"] = result
         write_atomic(place / "certificate.json", result.certificate_bytes())
         rows.append(OfOrder(order, float(result.omega_B), time.monotonic() - began))
         codes.append(result.exit_code)
     limit = shared.bound.omega_B if shared.bound is not None and shared.bound.limited else None
     write_atomic(folder / "orders.json", dumped(listed(rows, limit)).encode())
     write_atomic(folder / "orders.svg", figure(rows, limit, specs[0].name))
-    if certificates:
-        _report(certificates, folder)
+    if results:
+        _report(results, folder)
     if as_json:
         say(dumped({"folder": str(folder), **listed(rows, limit)}))
         return codes
@@ -117,7 +120,7 @@ def _folders(specs: list[Spec], output: Path | None) -> list[Path]:
     return [(output or Path("out")) / name for name in names]
 
 
-def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, as_json: bool) -> ExitCode:
+def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, seed: int, as_json: bool) -> ExitCode:
     from ..pipeline import synthesize
     from ..report.progress import status_line
     from ..report.summary import simulation, summary
@@ -125,7 +128,7 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, a
 
     try:
         with located(path), status_line() as progress:
-            result = synthesize(spec, progress, time_limit=time_limit)
+            result = synthesize(spec, progress, time_limit=time_limit, seed=seed)
     except RobimpError:
         if (folder / "certificate.json").exists():
             complain(f"{path}: note: {folder / 'certificate.json'} is from an earlier run")
@@ -133,7 +136,7 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, a
     discard(*(folder / name for name in ("report.html", "simulation.json", "joints.npz")))  # never beside a newer one
     write_atomic(folder / "certificate.json", result.certificate_bytes())
     write_atomic(folder / "simulation.json", dumped(simulation(result)).encode())
-    _report({"certificate.json": result.certificate_bytes()}, folder)
+    _report({"certificate.json": result}, folder)
     if as_json:
         say(dumped({"file": str(folder / "certificate.json"), **summary(result)}))
         return result.exit_code
@@ -144,9 +147,14 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, a
     return result.exit_code
 
 
-def _report(certificates: dict[str, bytes], folder: Path) -> None:
+def _report(results: dict[str, Result], folder: Path) -> None:
     from ..report.html import write_report
     from ..report.progress import status_line
 
     with status_line() as progress:
-        write_report(certificates, folder / "report.html", progress)
+        write_report(
+            {name: result.certificate_bytes() for name, result in results.items()},
+            folder / "report.html",
+            progress,
+            checked={name: result.checked for name, result in results.items()},
+        )

@@ -134,8 +134,10 @@ def show_bound(limit: Bound, to: Console) -> None:
         return
     grown = "" if limit.growth is None else f"; enlarging the basis to them added {100 * limit.growth:.2g} %"
     to.print(f"[bold]bound[/]  ω_B ≤ {limit.omega_B:.4g} rad/s with {limit.terms} terms{grown}")
-    for name, omega in limit.binding:
-        to.print(f"  {name} binds, most at {omega:.4g} rad/s")
+    if limit.stopped:
+        to.print(f"  not enlarged further: {limit.stopped}")
+    for b in limit.binding:
+        to.print(f"  {b.constraint} binds between {b.low:.4g} and {b.high:.4g} rad/s, most at {b.most:.4g}")
     if limit.dropped:
         to.print(f"  left out, as not convex in Q̃ (this can only raise the figure): {', '.join(limit.dropped)}")
     to.print("a solver's figure on a frequency grid, not a proof")

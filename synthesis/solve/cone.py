@@ -7,12 +7,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+ACCURACY = 1e-6  # asked of the solver; with less it stops early, with more it stops at rounding, "almost" done
+REGULARIZED = 1e-7  # on the diagonal of its linear systems: with the 1e-8 it has by itself it breaks off on some bases
+SOLVED, EMPTY = ("Solved", "AlmostSolved"), ("PrimalInfeasible", "AlmostPrimalInfeasible")
+
+
+class Failure(Enum):
+    """Why there is no solution, by the solver's word."""
+
+    INFEASIBLE = "nothing satisfies the constraints"
+    UNSOLVED = "the solver did not find a point it vouches for"
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,8 +45,8 @@ class Solution:
     weights: tuple[NDArray[np.float64], ...]
 
 
-def minimise(c: NDArray[np.float64], blocks: Sequence[Block]) -> Solution | None:
-    """Solve; None where the solver finds no optimum. c: (n,)."""
+def minimise(c: NDArray[np.float64], blocks: Sequence[Block]) -> Solution | Failure:
+    """Solve. c: (n,). How well the solution holds is for the caller to see: an inaccurate one is returned, too."""
     import clarabel
     from scipy import sparse
 
@@ -71,16 +83,18 @@ def minimise(c: NDArray[np.float64], blocks: Sequence[Block]) -> Solution | None
         at += m
     settings = clarabel.DefaultSettings()
     settings.verbose = False
+    settings.tol_feas = settings.tol_gap_abs = settings.tol_gap_rel = ACCURACY
+    settings.static_regularization_constant = REGULARIZED
     matrix = sparse.csc_matrix(sparse.vstack(rows)) if extra else sparse.csc_matrix(np.vstack(rows))
     right = np.concatenate(constants)
     if not (np.all(np.isfinite(matrix.data)) and np.all(np.isfinite(right))):
-        return None
+        return Failure.UNSOLVED
     objective = np.concatenate([c, np.zeros(extra)])
     empty = sparse.csc_matrix((n + extra, n + extra))
     found = clarabel.DefaultSolver(empty, objective, -matrix, right, cones, settings).solve()
-    y = np.array(found.x)[:n]
-    if str(found.status) not in ("Solved", "AlmostSolved") or not np.all(np.isfinite(y)):
-        return None
+    y, status = np.array(found.x)[:n], str(found.status)
+    if status not in SOLVED or not np.all(np.isfinite(y)):
+        return Failure.INFEASIBLE if status in EMPTY else Failure.UNSOLVED
     z = np.array(found.z)
     return Solution(y, float(c @ y), tuple(z[place] for place in places))
 

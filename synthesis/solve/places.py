@@ -74,6 +74,7 @@ class Places:
         self.columns: list[Any] = []
         self.fillings: list[Callable[[NDArray[np.float64]], NDArray[np.float64]]] = []
         self.known: dict[Any, Split] = {}
+        self.filled: dict[bytes, NDArray[np.float64]] = {}  # grids come again with every start
         self.omega = self.real(lambda omega: omega)
 
     def real(self, filling: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> Any:
@@ -91,7 +92,10 @@ class Places:
 
     def values(self, omega: NDArray[np.float64]) -> NDArray[np.float64]:
         """All columns below each other, for one grid. omega: (count,)."""
-        return np.concatenate([filling(omega) for filling in self.fillings])
+        key = omega.tobytes()
+        if key not in self.filled:
+            self.filled[key] = np.concatenate([filling(omega) for filling in self.fillings])
+        return self.filled[key]
 
 
 def filled(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -39,7 +40,7 @@ KEPT = 4  # distinct optima that are kept
 FINER = 8  # the grid that optima are looked at between solutions
 EXCHANGES = 8
 ROUNDS = 12
-BACK_OFF_GROWTH = 1.5
+BACK_OFF_GROWTH, BACK_OFF_GROWTH_ON_CELLS = 4.0, 1.5  # after a proof that fails; the first slack of the latter is large
 REACHED = 0.9995  # of the program's ω_B: what the proof has to reach
 
 
@@ -197,9 +198,9 @@ class Search:
 
     def _exchanged(self, program: Program, candidate: Candidate, grids: Grids) -> list[tuple[Candidate, Grids]]:
         """Solve again with the points of a finer grid where it falls short, until it does nowhere; [] if it cannot."""
-        finer, again = Grids.of(self.setting, self.omega_0, FINER), candidate
+        again = candidate
         for _ in range(EXCHANGES):
-            omega, band = program.violated(again, finer)
+            omega, band = program.violated(again, self._finer)
             if not omega and not band:
                 break
             grids = grids.refined(omega, band)
@@ -208,6 +209,10 @@ class Search:
                 return []
             again = solved
         return [(again, grids)]
+
+    @cached_property
+    def _finer(self) -> Grids:
+        return Grids.of(self.setting, self.omega_0, FINER)
 
     def _again(self, program: Program, candidate: Candidate, grids: Grids) -> Candidate | None:
         """Solve on another grid, near the last optimum if IPOPT can, else from it."""
@@ -229,7 +234,8 @@ class Search:
             total += len(refuting)
             named = ", ".join(f"{c.id} at {c.omega:.4g}" for c in refuting[:3])
             self.progress(f"proof {rounds} fails: {named} rad/s; solving again")
-            grids = replace(grids, back_off=grids.back_off * BACK_OFF_GROWTH).refined(
+            growth = BACK_OFF_GROWTH if self.setting.polynomial else BACK_OFF_GROWTH_ON_CELLS
+            grids = replace(grids, back_off=grids.back_off * growth).refined(
                 [c.omega for c in refuting if not c.on_band and 0 < c.omega < np.inf],
                 [c.omega / candidate.omega_B for c in refuting if c.on_band],
             )

@@ -1,4 +1,4 @@
-"""The bound from above by convexity, the search from below by proof, and the loop that joins them."""
+"""The search, its loop with the proof, and what is impossible from the start."""
 
 from __future__ import annotations
 
@@ -15,10 +15,7 @@ from good_joint import setting
 from robimp.synthesis.certificate.claims import Counterexample, certify, counterexamples
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.errors import UndecidedError
-from robimp.synthesis.problem.grid import grid
 from robimp.synthesis.problem.setting import Setting
-from robimp.synthesis.solve.basis import Basis
-from robimp.synthesis.solve.bound import POINTS, Bound, _Program
 from robimp.synthesis.solve.infeasible import impossible
 from robimp.synthesis.solve.nlp import Program
 from robimp.synthesis.solve.places import Grids
@@ -30,84 +27,6 @@ from robimp.synthesis.spec.model import Polynomials
 search_module = import_module("robimp.synthesis.solve.search")
 places_module = import_module("robimp.synthesis.solve.places")
 compute_bound = import_module("robimp.synthesis.solve.bound").bound
-
-
-# The bound
-
-
-@pytest.fixture(scope="module")
-def bounds() -> dict[int | None, Bound]:
-    return {terms: compute_bound(setting(), terms) for terms in (20, 32, None)}
-
-
-def test_a_larger_basis_never_lowers_the_bound_until_it_has_converged(bounds: dict[int | None, Bound]) -> None:
-    converged = bounds[None]
-    assert 35 < bounds[20].omega_B < 0.99 * bounds[32].omega_B < 0.99 * converged.omega_B, "a coarse basis gives less"
-    assert bounds[20].growth is None, "one basis says nothing about its convergence"
-    assert converged.growth is not None and 0 <= converged.growth < 0.01
-    assert 51.5 < converged.omega_B < 54 and converged.dropped == ("eq9", "eq18")
-
-
-def test_a_grid_twice_as_fine_changes_the_bound_little_and_a_coarse_one_flatters() -> None:
-    def limit(points: int, terms: int = 24) -> float:
-        omega = grid(setting(), around=52.7, spread=points // 4, dense=points)
-        found = _Program(setting(), omega, Basis(52.7, terms, 2)).largest_band(52.7)
-        assert found is not None
-        return found
-
-    used, finer, coarse = limit(POINTS), limit(2 * POINTS), limit(POINTS // 12)
-    assert finer == pytest.approx(used, rel=0.005)
-    assert limit(2 * POINTS, 48) == pytest.approx(limit(POINTS, 48), rel=0.005)
-    assert coarse > 1.003 * used
-
-
-def test_the_bound_says_what_binds_and_where(bounds: dict[int | None, Bound]) -> None:
-    binding = dict(bounds[None].binding)
-    assert set(binding) == {"eq12", "bandwidth"}, "passivity limits this joint, not the peak"
-    assert 0 < binding["bandwidth"] <= 1.001 * bounds[None].omega_B < binding["eq12"]
-
-
-def test_without_passivity_the_bound_is_far_higher(bounds: dict[int | None, Bound]) -> None:
-    without = compute_bound(setting(("eq12: {form: structured}, ", "")), 20)
-    assert without is not None and without.omega_B > 1.5 * bounds[20].omega_B
-
-
-def test_a_range_of_impedances_and_a_hold_lower_the_bound(bounds: dict[int | None, Bound]) -> None:
-    for changed in (
-        ("stiffness: 1.25", "stiffness: [0.2, 10]"),
-        ("peak: 2.0}", "peak: 2.0}\nsampling: {rate: 100 Hz, delay: 5 ms}"),
-    ):
-        lower = compute_bound(setting(changed), 20)
-        assert lower is not None and lower.omega_B < 0.97 * bounds[20].omega_B
-
-
-def program(joint: Setting) -> _Program:
-    return _Program(joint, grid(joint, around=40.0, spread=60, dense=60), Basis(50.0, 24, 2))
-
-
-def test_the_level_grows_with_the_band_and_is_attained() -> None:
-    """At every frequency, also those the cone program did not see: X is looked at with NumPy."""
-    found = program(setting())
-    levels = [found.level(omega_B) for omega_B in (20.0, 40.0, 60.0)]
-    assert levels[0] < levels[1] < 1 < levels[2]  # type: ignore[operator]
-    level = found.level(40.0)
-    assert level is not None
-    inside = found.omega <= 40
-    left = np.abs(1 - found.X)
-    assert left[inside].max() == pytest.approx(0.3 * level, rel=1e-3)
-    assert left.max() <= 2 + 1e-3
-    for load in setting().uncertainty.corners():
-        Z = found.X * setting().loop.G_imp.at(found.omega) + (1 - found.X) * setting().loop.Z0(load).at(found.omega)
-        assert (Z / (1j * found.omega)).real.min() > -1e-3
-    assert left[found.omega > 60].max() > 1, "beyond the band nothing is attenuated"
-
-
-def test_the_basis_is_rational_stable_and_of_the_relative_degree() -> None:
-    fast = np.array([1e7, 1e8])
-    for roll_off in (0, 1, 2):
-        values = Basis(50.0, 31, roll_off).at(fast)
-        assert values.shape == (2, 31)
-        np.testing.assert_allclose(np.abs(values[0, 0] / values[1, 0]), 10.0**roll_off, rtol=1e-3)
 
 
 def test_what_no_controller_can_meet_is_named() -> None:

@@ -59,12 +59,14 @@ class Study:
     compensator: Compensator
 
     @classmethod
-    def of(cls, file: str, data: bytes, *, time_limit: float = 60.0) -> Study:
-        """Check a certificate's bytes and rebuild what they are about; time_limit [s] for the check.
+    def of(cls, file: str, data: bytes, *, time_limit: float = 60.0, verdict: Verdict | None = None) -> Study:
+        """Check a certificate's bytes, unless their verdict is given, and rebuild what they are about.
+
+        time_limit [s] for the check.
 
         Raises: InputError for bytes that are no certificate, or one whose loop cannot be built.
         """
-        verdict = check_bytes(data, time_limit=time_limit)
+        verdict = check_bytes(data, time_limit=time_limit) if verdict is None else verdict
         if verdict.exit_code == ExitCode.INPUT:
             raise InputError(verdict.message, Location(file))
         content = json.loads(data)
