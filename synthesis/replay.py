@@ -71,7 +71,9 @@ def replay(
         return Replay(trials, agreement, None)
     from .challenge import challenge  # loads the compiler
 
-    attacked = challenge(spec, compensator, claims, count=count, seed=seed, progress=demanding(progress))
+    attacked = challenge(
+        spec, compensator, claims, count=count, seed=seed, progress=demanding(progress), coefficients=coefficients
+    )
     return Replay(trials, agreement, attacked)
 
 

@@ -34,7 +34,7 @@ def simulate(
     from ..check import check_bytes
     from ..replay import repeat_experiment, replay
     from ..report.progress import status_line
-    from ..report.simulated import arrays, summary
+    from ..report.simulated import arrays, summary, table
     from ..storage import demand_writable, write_atomic
 
     if output is not None:
@@ -67,6 +67,7 @@ def simulate(
         say(f"AGREES  {certificate}  {done.agreement.summary(len(done.trials.trials))}")
         if done.attacked:
             say(done.attacked.summary())
+            say(table(done))
             for finding in done.attacked.findings:
                 say(f"  {finding}")
     for contradiction in done.contradictions:

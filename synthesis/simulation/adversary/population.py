@@ -11,18 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...spec.model import Spec
-from ..batch.law import sampled_law
+from ..batch.law import law_and_compensator
 from ..batch.run import simulate_batch
-from ..batch.switched import Switched, switched
+from ..batch.switched import switched
 from ..equations import Compensator
 from ..members import members
+from .loop import Array, Loop, free
 from .stretched import vertices
-from .tones import LEVELS, Array
 
 CHUNK = 500  # joints moved at once: bounds memory, and how long Ctrl-C waits
 TICK = 2e-3  # s, of a continuous controller: its steps are exact however long, the torque is held
 E_FOLDS = 20.0  # of the slowest motion, while it is let go
 LONGEST = 100.0  # s
+LEVELS = 5  # nothing switches: the ladder only makes the exponential
 PATIENCE = 4.0  # the second half of the time is free of torque, and its second half is compared
 
 
@@ -78,14 +79,14 @@ def population(
     for index, member in enumerate(every):
         one = member.spec
         loads = drawn(one, share, rng)
-        law = sampled_law(one, C) if spec.sampling else None
+        law, continuous = law_and_compensator(one, C)
         tick = law.tick if law else TICK
-        duration = max(seconds, min(_settling(switched(one, C, loads[:1])), LONGEST))
+        duration = max(seconds, min(_settling(free(one, C, loads[0])), LONGEST))
         ticks = ceil(duration / tick)
         push = _course(ticks, tick, rng)
         for first in range(0, share, CHUNK):
             part = loads[first : first + CHUNK]
-            joints = switched(one, None if law else C, part)
+            joints = switched(one, continuous, part)
             run = simulate_batch(joints, tick, push, law=law, seed=seed, levels=LEVELS)
             reached = np.maximum(run.early, run.late)
             parts.append((part, np.full(len(part), index), run.lowest_energy, run.largest_energy, reached, run.grew))
@@ -94,9 +95,8 @@ def population(
     return Population(table, which, lowest, largest, angle, grew, ticks, tick)
 
 
-def _settling(joint: Switched) -> float:
-    rate = np.linalg.eigvals(joint.flows[0, 0, :, : joint.states]).real.max()
-    return float(PATIENCE * E_FOLDS / abs(rate)) if rate < 0 else LONGEST
+def _settling(loop: Loop) -> float:
+    return PATIENCE * E_FOLDS / loop.poles.decay if loop.poles.stable else LONGEST
 
 
 def _course(ticks: int, tick: float, rng: np.random.Generator) -> Array:

@@ -50,3 +50,8 @@ def sampled_law(
     loop = connect([differences(1 / rate), tustin(law, 1 / rate)], ["tau_int", "theta"], ["tau_d"])
     A, B, C, D = (np.ascontiguousarray(part, dtype=arithmetic) for part in (loop.A, loop.B, loop.C, loop.D))
     return SampledLaw(A, B, C, D, 1 / rate, delay)
+
+
+def law_and_compensator(spec: Spec, compensator: Compensator) -> tuple[SampledLaw | None, Compensator | None]:
+    """The sampled law where the specification says `sampling`, for `simulate_batch`; else C, for `switched`."""
+    return (None, compensator) if spec.sampling is None else (sampled_law(spec, compensator), None)
