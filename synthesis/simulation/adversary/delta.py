@@ -1,7 +1,7 @@
 """Unstructured uncertainty at its worst: a stable rational Δ within a bound that turns the loop's own phase against it.
 
-`G = G₀(1+Δ)` is a load with a further torque `Δ·(τ_int + τ_sea)` that no sensor feels. What Δ sees is
-`T = (τ_int + τ_sea)/unfelt torque`; the loop closes on itself where `Δ T = 1`.
+`G = G₀(1+Δ)` is a load with a further torque, Δ times all that is applied to it, that no sensor feels. What Δ sees is
+`T = applied/unfelt torque`; the loop closes on itself where `Δ T = 1`.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from itertools import product
 
 import numpy as np
 
-from ..block import Block, combination, transfer
+from ..block import Block, transfer
 from .bounds import Bound, rational
 from .loop import Array, Loop
 from .tones import Badness, Quantity, worst
@@ -39,8 +39,9 @@ class Delta:
 
     def laws(self) -> list[Block]:
         """The laws of Δ, for the `environment` of a joint."""
-        delta = transfer("unfelt_torque", "felt", *(list(map(Fraction, p)) for p in (self.numerator, self.denominator)))
-        return [combination("felt", tau_int=1, tau_sea=1), delta]
+        return [
+            transfer("unfelt_torque", "applied", *(list(map(Fraction, p)) for p in (self.numerator, self.denominator)))
+        ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +54,7 @@ class Attack:
 
 def seen(loop: Loop, omega: Array) -> Array:
     """|T| at each frequency, (n,)."""
-    return np.asarray(abs(loop.response(omega, "tau_sea", "disturbance")[0]))
+    return np.asarray(abs(loop.response(omega, "applied", "unfelt")[0]))
 
 
 def attack(loop: Loop, bound: Bound, factor: float, band: tuple[float, float]) -> Attack:
@@ -64,7 +65,7 @@ def attack(loop: Loop, bound: Bound, factor: float, band: tuple[float, float]) -
     # Above 1 everywhere counts alike; then a fast growth shows sooner than a slow one.
     best = np.argmax(reach) if reach.max() <= 1 else np.flatnonzero(reach > 1 + 0.5 * (reach.max() - 1))[-1]
     omega = float(grid[best])
-    T = complex(loop.response(grid[[best]], "tau_sea", "disturbance")[0][0])
+    T = complex(loop.response(grid[[best]], "applied", "unfelt")[0][0])
     delta = built(lambda frequencies: factor * bound(frequencies), omega, -float(np.angle(T)))
     return Attack(delta, delta.gain * abs(T))
 
@@ -89,10 +90,9 @@ def worst_within(
     def at_phases(loop: Loop, omega: Array) -> Array:
         """Of every phase of the largest Δ, (phases, n)."""
         delta = FILL * bound(omega) * np.exp(1j * PHASES)[:, None]
-        T = loop.response(omega, "tau_sea", "disturbance")[0]
-        theta = dict(zip(TORQUES, loop.response(omega, "theta", *TORQUES), strict=True))
-        felt = {"push": 1 + loop.response(omega, "tau_sea", "push")[0], "disturbance": T}
-        closed = [theta[name] + theta["disturbance"] * delta * felt[name] / (1 - delta * T) for name in quantity.inputs]
+        *applied, T = loop.response(omega, "applied", *quantity.inputs, "unfelt")
+        *theta, unfelt = loop.response(omega, "theta", *quantity.inputs, "unfelt")
+        closed = [free + unfelt * delta * seen / (1 - delta * T) for free, seen in zip(theta, applied, strict=True)]
         return quantity.worse(omega, *closed)
 
     def badness(loop: Loop) -> Badness:
@@ -101,9 +101,6 @@ def worst_within(
     which, omega = worst([badness(loop) for loop in loops], band, hints)
     phase = PHASES[np.argmax(at_phases(loops[which], np.array([omega]))[:, 0])]
     return which, built(bound, omega, float(phase))
-
-
-TORQUES = ("push", "disturbance")
 
 
 def built(bound: Bound, omega: float, phase: float) -> Delta:

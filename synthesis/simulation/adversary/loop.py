@@ -29,8 +29,9 @@ from ..march import Samples, trajectory
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-INPUTS = ("push", "disturbance", "noise")  # torque at the port, past its sensor [N·m], and what the sensor makes up
-OUTPUTS = ("theta", "tau_int", "tau_sea", "tau_d")
+INPUTS = ("push", "disturbance", "noise", "unfelt")
+"""Torque at the port, torque on the load past the sensor, what the sensor makes up, and what Δ adds [N·m]."""
+OUTPUTS = ("theta", "tau_int", "applied", "tau_d")  # applied: all torque on the load, which Δ acts on
 CYCLE, FEWEST = 64, 8  # samples of a cycle
 CYCLES = 4  # that are measured
 FADED = 1e-13
@@ -152,7 +153,8 @@ def free(spec: Spec, C: Compensator, load: Array, environment: Sequence[Block] =
         integrator("velocity", "acceleration"),
         integrator("theta", "velocity"),
         combination("tau_int", push=1, contact_torque=1),
-        combination("tau_load", tau_int=1, tau_sea=1, unfelt_torque=1, disturbance=1),
+        combination("applied", tau_int=1, tau_sea=1, disturbance=1),
+        combination("tau_load", applied=1, unfelt_torque=1, unfelt=1),
         *(combination(name) for name in ("contact_torque", "unfelt_torque")),
         *([_frozen(spec)] if frozen else actuator_equations(spec, _command(spec))),
         *_sensing(controller_equations(spec, C)),
@@ -164,7 +166,12 @@ def free(spec: Spec, C: Compensator, load: Array, environment: Sequence[Block] =
 def locked(spec: Spec, C: Compensator) -> Loop:
     """The joint against a rigid wall, which answers the actuator; a push only loads the wall."""
     still = [combination(name) for name in ("theta", "velocity", "acceleration")]
-    laws = [*still, combination("tau_int", tau_sea=-1), *actuator_equations(spec, _command(spec))]
+    laws = [
+        *still,
+        combination("tau_int", tau_sea=-1),
+        combination("applied"),
+        *actuator_equations(spec, _command(spec)),
+    ]
     return _loop([*laws, *_sensing(controller_equations(spec, C))], lags_of(spec), "rigid wall")
 
 
