@@ -9,7 +9,7 @@ import numpy as np
 from .loop import Loop
 
 PER_RADIAN = 10  # ticks per radian of the motion looked at
-WINDOW = 2000  # ticks looked at, early and late
+WINDOW = 600  # ticks looked at, early and late
 LONGEST = 2_000_000  # ticks
 E_FOLDS = 12.0  # of the slowest motion, if there is time
 
