@@ -138,11 +138,11 @@ def _joint(
         advance(
             x, w, steps, 0, switches, limits, y
         )  # here, not in a function of its own: that would cost as much again
-        if holds(y, w, rows, switches, limits):
+        if holds(x, y, w, rows, switches, limits, plant.h):
             for i in range(len(x)):
                 x[i] = y[i]
         else:
-            events += halved(x, w, steps, rows, switches, limits, y)
+            events += halved(x, w, steps, rows, switches, limits, y, plant.h)
         energy += w[0] * (x[1] - before)
         lowest, highest = min(lowest, energy), max(highest, energy)
         ticks += 1
