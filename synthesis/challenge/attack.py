@@ -7,26 +7,29 @@ from dataclasses import dataclass
 
 from ..certificate.claim import Claim
 from ..simulation.adversary.finding import Finding, Reached, reached
-from ..simulation.adversary.population import Population, population
+from ..simulation.adversary.population import Population, Reality, population
 from ..simulation.equations import Compensator
 from ..spec.model import Polynomials, Spec
-from .company import drawn_joints, environments, friction
+from .company import drawn_joints, environments, friction, real_joints
 from .levels import levels
 from .limits import boxes, deltas, discs, partners
 from .perturbed import tolerance
 from .proven import Subject
 
 NEAR = 0.95  # of a bound
+SECONDS = 10.0  # that a joint drawn is moved, at least
+IDEAL = Reality()
 
 Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
 class Challenge:
-    """All findings, and the joints that were drawn."""
+    """All findings, and the joints that were drawn; `real`: the same joints in the reality asked for."""
 
     findings: tuple[Finding, ...]
     drawn: Population
+    real: Population | None = None
 
     @property
     def contradictions(self) -> tuple[str, ...]:
@@ -58,11 +61,13 @@ def challenge(
     seed: int,
     progress: Progress,
     coefficients: Polynomials | None = None,
+    reality: Reality = IDEAL,
 ) -> Challenge:
     """Attack every claim of a nominally stable joint; `count` loads are drawn with `seed`.
 
     Linear attacks move the loop that the claims are about: with `sampling`, C behind hold and delay. The joints drawn,
     friction and the wall then meet the controller as it is sampled. `coefficients`: of Q or C_imp, for the tolerance.
+    `reality`: what the certificate leaves out, and the joints drawn then meet as well, for information.
     """
     subject = Subject(spec, C, {(claim.id, claim.form): claim for claim in claims})
     attacks: list[tuple[str, Callable[[], Iterable[Finding]]]] = [
@@ -78,5 +83,16 @@ def challenge(
     for what, attack in attacks:
         progress(what)
         findings += attack()
-    found = population(spec, C, count, 10.0, seed, lambda share: progress(f"{count} joints drawn: {share:.0%} moved"))
-    return Challenge((*findings, *drawn_joints(subject, found)), found)
+    told = in_shares(progress, f"{count} joints drawn")
+    found, real = population(spec, C, count, SECONDS, seed, told), None
+    findings += drawn_joints(subject, found)
+    if reality != IDEAL:
+        told = in_shares(progress, f"{count} joints with {reality}")
+        real = population(spec, C, count, SECONDS, seed, told, reality)
+        findings += real_joints(reality, real, found)
+    return Challenge(tuple(findings), found, real)
+
+
+def in_shares(progress: Progress, what: str) -> Callable[[float], None]:
+    """Progress in shares of one piece of work."""
+    return lambda share: progress(f"{what}: {share:.0%} moved")

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..simulation.adversary.coupled import WALL, Contact, contacts
 from ..simulation.adversary.finding import Finding, Side
 from ..simulation.adversary.friction import rest_under_friction
-from ..simulation.adversary.population import Population
+from ..simulation.adversary.population import Population, Reality
 from .proven import Subject
 
 ENERGY_ROUNDING = 1e-9  # of the largest energy that passed the port
@@ -58,3 +58,17 @@ def drawn_joints(subject: Subject, found: Population) -> Iterator[Finding]:
         "eq12 structured", "inside" if continuous else "information", f"{who}; energy drawn, of the largest",
         found.extraction, None, found.extraction >= -ENERGY_ROUNDING if continuous else None,
     )  # fmt: skip
+
+
+def real_joints(reality: Reality, found: Population, ideal: Population) -> Iterator[Finding]:
+    """What the certificate leaves out, on the same joints: it changes no claim, so nothing here can contradict one."""
+    who = f"joints drawn, with {reality}"
+    figures = {
+        "how many grew": float(found.grew.sum()),
+        "how many still move back and forth at the end": float((found.reversals > 1).sum()),
+        "largest range of θ at the end [rad]": float(found.range.max()),
+        "largest |θ| [rad]": float(found.largest_angle.max()),
+        "largest |θ| without [rad]": float(ideal.largest_angle.max()),
+    }
+    for what, value in figures.items():
+        yield Finding("not certified", "information", f"{who}; {what}", value, None, None)

@@ -1,5 +1,6 @@
 """Attacks: inside what is proven they fail, outside they succeed; a claim that says too much is contradicted."""
 
+import json
 from dataclasses import replace
 from fractions import Fraction
 
@@ -10,12 +11,14 @@ from certified import golden
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.challenge import challenge
 from robimp.synthesis.challenge.attack import NEAR
-from robimp.synthesis.challenge.company import environments, friction
+from robimp.synthesis.challenge.company import environments, friction, real_joints
 from robimp.synthesis.challenge.levels import levels
 from robimp.synthesis.challenge.limits import boxes, deltas, discs, partners
 from robimp.synthesis.challenge.perturbed import compensator, tolerance
 from robimp.synthesis.challenge.proven import Subject
-from robimp.synthesis.simulation.adversary.population import population
+from robimp.synthesis.errors import InputError
+from robimp.synthesis.simulation.adversary.population import Reality, population
+from robimp.synthesis.simulation.batch.switched import Imperfections
 
 FEW = {"haninger2016-paper": 40, "sampled-range": 12, "feedback-both": 12, "weight-disc": 12}
 ATTACKS = {"level": levels, "Δ": deltas, "box": boxes, "partner": partners, "discs": discs}
@@ -159,6 +162,28 @@ class TestFalseClaims:
         wish = wish.model_copy(update={"stiffness": Fraction(12), "damping": Fraction(1, 10)})
         found = list(environments(subject("haninger2016-paper", impedance=wish)))
         assert any(f.agrees is False for f in found) and all(f.side == "inside" for f in found)
+
+
+class TestReality:
+    def test_is_met_by_the_same_joints_and_contradicts_nothing(self):
+        spec, C, *_ = golden("haninger2016-paper")
+        slow = Reality(Imperfections(load_friction=0.01), rate=40.0)  # too slow to be stable
+        ideal, real = (population(spec, C, 8, 5.0, 0, quiet, *reality) for reality in ((), (slow,)))
+        assert (ideal.loads == real.loads).all() and real.grew.any() and not ideal.grew.any()
+        findings = list(real_joints(slow, real, ideal))
+        assert {(f.side, f.agrees) for f in findings} == {("information", None)}
+        assert "load friction 0.01, sampled at 40 Hz" in findings[0].what and findings[0].measured == real.grew.sum()
+        json.dumps([f.to_json() for f in findings], allow_nan=False)
+
+    def test_single_precision_needs_a_sampled_controller_and_differs_little(self):
+        spec, C, *_ = golden("haninger2016-paper")
+        with pytest.raises(InputError, match="rate"):
+            population(spec, C, 8, 5.0, 0, quiet, Reality(arithmetic="float32"))
+        double, single = (
+            population(spec, C, 4, 5.0, 0, quiet, Reality(rate=1000.0, arithmetic=kind)).largest_angle
+            for kind in ("float64", "float32")
+        )
+        assert 1e-9 < abs(double - single).max() < 1e-3
 
 
 class TestFriction:

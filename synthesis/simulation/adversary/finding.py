@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
+from math import isfinite
 from typing import Any, Literal
 
 Side = Literal["inside", "outside", "information"]
@@ -33,8 +34,9 @@ class Finding:
         return min(self.measured / self.bound, self.bound / self.measured)
 
     def to_json(self) -> dict[str, Any]:
-        """Plain values."""
-        return {**asdict(self), "tightness": self.tightness}
+        """Plain values; what ran away has none."""
+        measured = self.measured if self.measured is not None and isfinite(self.measured) else None
+        return {**asdict(self), "measured": measured, "tightness": self.tightness}
 
     def __str__(self) -> str:
         bound = "" if self.bound is None else f", proven {self.bound:.6g}"

@@ -52,6 +52,10 @@ def sampled_law(
     return SampledLaw(A, B, C, D, 1 / rate, delay)
 
 
-def law_and_compensator(spec: Spec, compensator: Compensator) -> tuple[SampledLaw | None, Compensator | None]:
-    """The sampled law where the specification says `sampling`, for `simulate_batch`; else C, for `switched`."""
-    return (None, compensator) if spec.sampling is None else (sampled_law(spec, compensator), None)
+def law_and_compensator(
+    spec: Spec, compensator: Compensator, rate: float | None = None, arithmetic: Arithmetic = "float64"
+) -> tuple[SampledLaw | None, Compensator | None]:
+    """The sampled law where the specification or `rate` [Hz] says so, for `simulate_batch`; else C, for `switched`."""
+    if spec.sampling is None and rate is None:
+        return None, compensator
+    return sampled_law(spec, compensator, rate=rate, arithmetic=arithmetic), None

@@ -39,6 +39,11 @@ class Imperfections:
     torque_noise: float = 0.0
     stiction: float = 1.0
 
+    @property
+    def linear(self) -> bool:
+        """Whether nothing switches."""
+        return not (self.load_friction or self.motor_friction) and self.torque_limit == np.inf
+
 
 @dataclass(frozen=True)
 class Wall:
