@@ -74,7 +74,11 @@ def halved(
         level = _level(span, whole)
         while span > 1:
             advance(x, w, steps, level, switches, limits, y)
-            if holds(x, y, w, rows, switches, limits, h * span / whole):
+            good = holds(y, w, rows, switches, limits)
+            if good and limits.wall_place < np.inf:
+                touching = switches[TOUCHING] != 0
+                good = not wall_missed(x[0], x[1], y[0], y[1], touching, limits, h * span / whole)
+            if good:
                 break
             span, level = span >> 1, level + 1
         if span == 1:
@@ -145,24 +149,26 @@ def _sticks(y: Array, w: Array, rows: Array, m: int, contact: int, limits: Limit
     return bool(abs(read(rows, m, contact, y, w)) <= limits[contact] * limits.stiction)
 
 
-@inlined
-def _may_have_met(x: Array, y: Array, touching: bool, limits: Limits, span: float) -> bool:
-    """Whether the wall may have been met, or left, between the ends x and y of a step [s].
+@compiled
+def wall_missed(
+    v: float, theta: float, v_end: float, theta_end: float, touching: bool, limits: Limits, h: float
+) -> bool:
+    """Whether the wall may have been met, or left, within a step h [s] whose ends do not show it.
 
     It turned in between: it went no further than where the tangents of the two ends cross.
     """
-    if touching and limits.wall_rate * span > RESOLVED:
+    if touching and limits.wall_rate * h > RESOLVED:
         return True
     away = -1.0 if touching else 1.0
-    if not (away * x[0] > 0 and away * y[0] < 0):
+    if not (away * v > 0 and away * v_end < 0):
         return False
-    furthest = x[1] + x[0] * (y[1] - y[0] * span - x[1]) / (x[0] - y[0])
+    furthest = theta + v * (theta_end - v_end * h - theta) / (v - v_end)
     return bool(away * (furthest - limits.wall_place) > 0)
 
 
 @inlined
-def holds(x: Array, y: Array, w: Array, rows: Array, switches: Switches, limits: Limits, span: float) -> bool:
-    """Whether the laws that were assumed for a step from x to y still hold at its end, and the wall's in between."""
+def holds(y: Array, w: Array, rows: Array, switches: Switches, limits: Limits) -> bool:
+    """Whether the laws that were assumed for a step still hold at its end."""
     m, good = mode(switches), True  # one way out: the compiler then keeps no count of references
     for contact in range(CONTACTS):
         if limits[contact] > 0:
@@ -173,8 +179,7 @@ def holds(x: Array, y: Array, w: Array, rows: Array, switches: Switches, limits:
     if limits.torque < np.inf:
         good = good and _saturation(read(rows, m, DEMAND, y, w), limits) == switches[SATURATED]
     if limits.wall_place < np.inf:
-        touching = switches[TOUCHING] != 0
-        good = good and _touches(y, limits) == touching and not _may_have_met(x, y, touching, limits, span)
+        good = good and _touches(y, limits) == (switches[TOUCHING] != 0)
     return good
 
 

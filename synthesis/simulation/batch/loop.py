@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compiled import compiled, inlined
-from .dry import FRICTION, TAU_INT, Array, Limits, advance, halved, holds, mode, read
+from .dry import FRICTION, TAU_INT, TOUCHING, Array, Limits, advance, halved, holds, mode, read, wall_missed
 from .ladder import ladder
 from .shipped import Cascades, at_rest, shipped
 
@@ -122,6 +122,7 @@ def _joint(
     phase = np.exp(-1j * look.sines * look.since)
     if digital.on:
         np.random.seed(digital.seeds[joint])
+    walled = limits.wall_place < np.inf
     early = late = low = high = energy = lowest = highest = 0.0
     events = ticks = 0
     for k in range(total):
@@ -149,7 +150,10 @@ def _joint(
         advance(
             x, w, steps, 0, switches, limits, y
         )  # here, not in a function of its own: that would cost as much again
-        if holds(x, y, w, rows, switches, limits, plant.h):
+        good = holds(y, w, rows, switches, limits)
+        if good and walled:
+            good = not wall_missed(speed, before, y[0], y[1], switches[TOUCHING] != 0, limits, plant.h)
+        if good:
             for i in range(len(x)):
                 x[i] = y[i]
         else:
