@@ -18,7 +18,7 @@ DOB = (
 
 
 def draw(name: str) -> Experiment:
-    """Run the experiment `fig9` … `fig12`, write NAME.svg beside this file, print which findings it repeats."""
+    """Run an experiment, `fig9` … `fig12` or `hunting`; write NAME.svg, print which findings it repeats."""
     experiment = EXPERIMENTS[name](load(FOLDER / "haninger2016-paper.yaml"), DOB)
     plt.rcParams.update({"font.size": 9, "svg.hashsalt": "robimp", "svg.fonttype": "none", "axes.grid": True})
     figure, axes = plt.subplots(figsize=(6.4, 3.6), constrained_layout=True)

@@ -21,7 +21,7 @@ from .spec import from_canonical
 from .spec.model import Polynomials
 
 if TYPE_CHECKING:
-    from .challenge import Challenge
+    from .challenge import Challenge, Reality
     from .simulation.experiments import Experiment
 
 
@@ -51,13 +51,22 @@ class Replay:
 
 
 def replay(
-    content: dict[str, Any], checked: Verdict, file: str, progress: Callable[[str], None], *, count: int, seed: int
+    content: dict[str, Any],
+    checked: Verdict,
+    file: str,
+    progress: Callable[[str], None],
+    *,
+    count: int,
+    seed: int,
+    reality: Reality | None = None,
 ) -> Replay:
     """Simulate every load of a certificate whose format was already checked, and compare with its claims.
 
-    Then attack the claims: `count` loads are drawn with `seed`, 0 leaves the attacks out.
+    Then attack the claims: `count` loads are drawn with `seed`, 0 leaves the attacks out. `reality`: what the
+    certificate leaves out, for information.
 
-    Raises: MismatchError when the certificate does not say what the prover finds for its controller.
+    Raises: MismatchError when the certificate does not say what the prover finds for its controller; InputError for a
+    reality that cannot be.
     """
     spec = from_canonical(content["spec"], file)
     setting = setting_of(spec)
@@ -81,14 +90,17 @@ def replay(
     agreement = compare(setting, C, claims, trials)
     if not count or not trials.stable:
         return Replay(trials, agreement, None)
-    from .challenge import challenge  # loads the compiler
+    from .challenge import IDEAL, challenge  # loads the compiler
 
-    attacked = challenge(spec, compensator, claims, count=count, seed=seed, progress=demanding(progress))
+    attacked = challenge(
+        spec, compensator, claims, count=count, seed=seed, progress=demanding(progress), coefficients=coefficients,
+        reality=reality or IDEAL,
+    )  # fmt: skip
     return Replay(trials, agreement, attacked)
 
 
 def repeat_experiment(content: dict[str, Any], file: str, name: str) -> Experiment:
-    """One of the paper's experiments (`fig9` … `fig12`) on a certificate's joint with its controller as the DOB.
+    """One of the paper's experiments (`fig9` … `fig12`, `hunting`) on a certificate's joint with its controller.
 
     Raises: InputError for an unknown name.
     """

@@ -1,5 +1,7 @@
 """Every claim under attack in the time domain: inside nothing may give, just outside something must."""
 
-from .attack import Challenge, challenge
+from ..simulation.adversary.population import Reality
+from ..simulation.batch.switched import Imperfections
+from .attack import IDEAL, Challenge, challenge
 
-__all__ = ["Challenge", "challenge"]
+__all__ = ["IDEAL", "Challenge", "Imperfections", "Reality", "challenge"]

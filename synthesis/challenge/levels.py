@@ -3,83 +3,137 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
+from ..certificate.claim import Claim
+from ..simulation import Member
 from ..simulation.adversary import tones
+from ..simulation.adversary.bounds import lumped, on_top
+from ..simulation.adversary.delta import worst_within
 from ..simulation.adversary.finding import Finding
-from ..simulation.adversary.stretched import vertices, worst_poles
-from ..simulation.equations import Compensator
-from ..simulation.members import members
-from ..spec.model import Spec
-from .proven import Claims, band_of, hints_of, nominal_load, proven
+from ..simulation.adversary.loop import Loop, free, locked
+from ..simulation.adversary.stretched import vertices
+from ..simulation.adversary.tones import Quantity
+from ..spec.model import IdealActuator, Spec
+from .proven import Subject, hints_of, nominal_load
 
-ROUNDING = 1e-6  # relative, of what a run measures
+FAR = 1000.0  # beyond the band, for what is worst at ω = 0 or ∞
+ROUNDING = 1e-6  # of a bound
+NOISE = 1e-9  # of the complex figure a run measures
 
 
-def levels(spec: Spec, C: Compensator, claims: Claims) -> Iterator[Finding]:
+@dataclass(frozen=True)
+class Level:
+    """What a claim bounds: in words, as a quantity; whether on [0, ω_B], against a wall, and for which Δ."""
+
+    words: str
+    quantity: Callable[[Spec], Quantity]
+    on_band: bool = False
+    locked: bool = False
+    disc: bool = False  # on top of every load
+    lumped: bool = False  # about the nominal load, with the box in it
+    ideal: bool = False  # actuator
+
+
+RESISTANCE, DISTURBED = "Re(Z/jω) [N·m·s/rad]", "|1−Q̃| of a disturbance"
+LEVELS = {
+    ("bandwidth", "attenuation"): Level(DISTURBED, lambda _: tones.ATTENUATION, on_band=True),
+    ("peak", "sensitivity"): Level(DISTURBED, lambda _: tones.ATTENUATION),
+    ("rendering", "every-load"): Level("|Z/G_imp − 1|", tones.rendering_error, on_band=True, disc=True),
+    ("eq12", "structured"): Level(RESISTANCE, lambda _: tones.RESISTANCE, disc=True),
+    ("eq12", "disc"): Level(RESISTANCE, lambda _: tones.RESISTANCE, lumped=True),
+    ("eq12", "paper"): Level(f"ideal actuator, {RESISTANCE}", lambda _: tones.RESISTANCE, lumped=True, ideal=True),
+    ("friction", "strictly-positive-real"): Level(
+        "Re(Z/jω)/(1−Q̃), which friction meets [N·m·s/rad]", lambda _: tones.DRY, disc=True
+    ),
+    ("noise", "command"): Level("command per noise of the sensor, locked", lambda _: tones.COMMAND, locked=True),
+}
+
+
+def levels(subject: Subject) -> Iterator[Finding]:
     """Bounds that hold frequency by frequency, measured with a sine where the joint is worst."""
-    low, high = band_of(spec)
-    bandwidth = proven(claims, "bandwidth", "attenuation")
-    omega_B = float(bandwidth.margin) if bandwidth and bandwidth.margin else None
-    if omega_B:
-        level = float(spec.objective.attenuation)
-        yield _level(spec, C, "bandwidth attenuation", level, (min(low, omega_B / 100), omega_B), (omega_B,))
-        tone = tones.measured(spec, C, nominal_load(spec)[0], omega_B * (1 + 1e-4))
-        value = abs(tone.attenuation)
-        yield Finding("bandwidth attenuation", "outside", "|1−Q̃| just beyond ω_B", value, level, value > level or None)
-    peak, rendering = proven(claims, "peak", "sensitivity"), proven(claims, "rendering", "every-load")
-    if peak and peak.margin:
-        yield _level(spec, C, "peak sensitivity", float(peak.margin), (low, high), hints_of(peak))
-    if rendering and rendering.margin and omega_B:
-        yield _level(
-            spec,
-            C,
-            "rendering every-load",
-            float(rendering.margin),
-            (min(low, omega_B / 100), omega_B),
-            hints_of(rendering),
-        )
-    passive = proven(claims, "eq12", "structured")
-    if passive and passive.margin is not None:
-        ends = (float(passive.interval[0]) or low, float(passive.interval[1] or high))
-        yield _level(spec, C, "eq12 structured", float(passive.margin), ends, hints_of(passive))
-    if decay := proven(claims, "stability-free", "hurwitz"):
-        slowest = -float(worst_poles(spec, C, nominal_load(spec))[0])
-        bound = float(decay.margin or 0)
-        yield Finding(
-            "stability-free hurwitz", "inside", "slowest decay [/s]", slowest, bound, slowest >= bound * (1 - ROUNDING)
-        )
+    for kind, level in LEVELS.items():
+        claim = subject.proven(*kind)
+        if claim is None or claim.margin is None:
+            continue
+        band = subject.band
+        if level.on_band:
+            omega_B = float(claim.interval[1] or band[1])
+            band = min(band[0], omega_B / 100), omega_B
+        else:
+            band = float(claim.interval[0]) or band[0] / FAR, float(claim.interval[1] or band[1] * FAR)
+        yield _level(subject, claim, level, band)
+    yield from _beyond_band(subject)
+    yield from _decays(subject)
 
 
-_BADNESS: dict[str, Callable[[Spec], tones.Badness]] = {
-    "rendering every-load": tones.rendering_error,
-    "eq12 structured": lambda _: tones.yielding,
-}
-_WORDS = {
-    "bandwidth attenuation": "|1−Q̃| of a disturbance",
-    "peak sensitivity": "|1−Q̃| of a disturbance",
-    "rendering every-load": "|Z/G_imp − 1|",
-    "eq12 structured": "Re(Z/jω) [N·m·s/rad]",
-}
+def bound_of(subject: Subject, claim: Claim) -> float:
+    """What a claim's quantity is bounded by: the margin, or where that is a frequency or a factor, the level itself."""
+    if claim.id == "bandwidth":
+        return float(subject.spec.objective.attenuation)
+    return 0.0 if claim.form == "paper" else float(claim.margin or 0)
 
 
-def _level(
-    spec: Spec, C: Compensator, claim: str, bound: float, band: tuple[float, float], hints: tuple[float, ...]
-) -> Finding:
-    """The worst of all loads and members by their frequency response, then its motion."""
+def loops_of(subject: Subject, level: Level, member: Member) -> list[Loop]:
+    """The joints that a level is about, of one member of the ranges."""
+    spec = member.spec
+    if level.ideal:
+        spec = spec.model_copy(update={"actuator": IdealActuator(type="ideal"), "sampling": None})
+    if level.locked:
+        return [locked(spec, subject.C)]
+    return [free(spec, subject.C, load) for load in ([nominal_load(spec)] if level.lumped else vertices(spec))]
+
+
+def _level(subject: Subject, claim: Claim, level: Level, band: tuple[float, float]) -> Finding:
+    """The worst of all loads and members, and of all Δ, by their frequency response, then its motion."""
+    name, bound, hints = f"{claim.id} {claim.form}", bound_of(subject, claim), hints_of(claim)
+    disc = lumped(subject.spec) if level.lumped else on_top(subject.spec) if level.disc else None
     found = []
-    for member in members(spec):
-        badness = _BADNESS[claim](member.spec) if claim in _BADNESS else tones.disturbed
-        load, omega = tones.worst(member.spec, C, vertices(member.spec), badness, band, hints)
-        Z, attenuation = tones.responses(member.spec, C, load[None], np.array([omega]))
-        found.append((float(badness(np.array([omega]), Z, attenuation)[0, 0]), member.spec, load, omega, badness))
-    _, one, load, omega, badness = max(found, key=lambda each: each[0])
-    if worst_poles(one, C, load[None])[0] >= 0:
-        return Finding(claim, "information", f"unstable, nothing to measure: load {load.tolist()}", None, bound, None)
-    tone = tones.measured(one, C, load, omega)
-    value = float(badness(np.array([omega]), np.array([tone.Z]), np.array([tone.attenuation]))[0])
-    where = f"{_WORDS[claim]} at {omega:.6g} rad/s, I={load[0]:.4g} B={load[1]:.4g} K={load[2]:.4g}"
-    if claim == "eq12 structured":
-        return Finding(claim, "inside", where, -value, bound, -value >= bound - ROUNDING * abs(tone.Z / omega))
-    return Finding(claim, "inside", where, value, bound, value <= bound * (1 + ROUNDING))
+    for member in subject.joints(claim):
+        loops, quantity, built = loops_of(subject, level, member), level.quantity(member.spec), ""
+        if disc is not None:
+            which, delta = worst_within(loops, quantity, disc, band, hints)
+            omega, loop = delta.omega, loops[which].with_law(delta.laws())
+            built = f", |Δ| = {delta.gain:.4g}"
+        else:
+            each = [(lambda omega, loop=loop, q=quantity: q.of(loop, omega)) for loop in loops]
+            which, omega = tones.worst(each, band, hints)
+            loop = loops[which]
+        bad = float(quantity.of(loop, np.array([omega]))[0])
+        found.append((bad, loop, quantity, omega, f"at {omega:.6g} rad/s, {loop.of}{member}{built}"))
+    _, loop, quantity, omega, where = max(found, key=lambda each: each[0])
+    if not loop.poles.stable:
+        return Finding(name, "information", f"unstable, nothing to measure: {where}", None, bound, None)
+    seen = tones.measured(loop, quantity, omega)
+    slack = ROUNDING * abs(bound) + (NOISE + 10 * seen.error) * seen.size
+    sign = -1 if quantity.resists else 1
+    agrees = seen.worse <= sign * bound + slack
+    filters = subject.spec.controller.filters
+    if claim.form == "paper" and (filters.position is not None or filters.derivative is not None):
+        what = f"(12) as printed knows of no filters; {level.words} {where}"
+        return Finding(name, "information", what, sign * seen.worse, bound, None)
+    return Finding(name, "inside", f"{level.words} {where}", sign * seen.worse, bound, agrees)
+
+
+def _beyond_band(subject: Subject) -> Iterator[Finding]:
+    claim = subject.proven("bandwidth", "attenuation")
+    if claim is None or not claim.margin or claim.refuted_at is None:
+        return
+    omega, level = float(claim.refuted_at.value) * (1 + 1e-4), float(subject.spec.objective.attenuation)
+    member = subject.joints(claim)[0]
+    value = tones.measured(free(member.spec, subject.C, nominal_load(member.spec)), tones.ATTENUATION, omega).worse
+    what = f"|1−Q̃| just beyond ω_B, at {omega:.6g} rad/s"
+    yield Finding("bandwidth attenuation", "outside", what, value, level, value > level or None)
+
+
+def _decays(subject: Subject) -> Iterator[Finding]:
+    spec, C = subject.spec, subject.C
+    for end, loop in (("free", free(spec, C, nominal_load(spec))), ("locked", locked(spec, C))):
+        for form in ("hurwitz", "winding"):
+            if claim := subject.proven(f"stability-{end}", form):
+                bound = float(claim.margin or 0)
+                agrees = loop.poles.decay >= bound * (1 - ROUNDING)
+                what = "slowest decay [/s]" if form == "hurwitz" else "slowest decay with hold and delay [/s]"
+                yield Finding(f"{claim.id} {form}", "inside", what, loop.poles.decay, bound, agrees)

@@ -2,92 +2,176 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from fractions import Fraction
 
 import numpy as np
 
+from ..certificate.claim import Claim
 from ..certificate.outcome import Outcome
+from ..simulation import Member, members
 from ..simulation.adversary import tones
-from ..simulation.adversary.delta import attack, bound_of
+from ..simulation.adversary.bounds import Bound, lumped, on_top
+from ..simulation.adversary.delta import attack, reachable
 from ..simulation.adversary.finding import Finding, Side
+from ..simulation.adversary.loop import Array, Loop, free, locked
 from ..simulation.adversary.motion import left_alone
-from ..simulation.adversary.stretched import partner, stretch_to_yield, vertices, worst_poles
-from ..simulation.batch.switched import switched
-from ..simulation.equations import Compensator
+from ..simulation.adversary.stretched import hardest, partner, ranges_stretched, stretch_to_yield, vertices, worst_rate
 from ..spec.model import IdealActuator, Spec
-from .proven import Claims, band_of, hints_of, nominal_load, passive_port, proven
+from .proven import Subject, hints_of, load_of, member_of, nominal_load, witness_of
 
 BEYOND = 1.02  # times the level at which a claim fails: just outside
 WITHIN = 0.98
+FURTHEST = 50.0  # times the proven factor: further out nothing is looked for
 
 
-def deltas(spec: Spec, C: Compensator, claims: Claims) -> Iterator[Finding]:
-    """(9) behind an ideal actuator, (18) with the physical one: stable for every Δ within W times the margin."""
-    bound = bound_of(spec)
-    for claim in claims.values():
-        physical = claim.id == "eq18" and claim.form.endswith("/physical")
-        if bound is None or claim.status is not Outcome.PROVEN or not (claim.id == "eq9" or physical):
+def deltas(subject: Subject) -> Iterator[Finding]:
+    """(9) behind an ideal actuator, (18) with the frozen or the physical one: stable for every Δ within W · margin."""
+    bound = lumped(subject.spec)
+    for claim in subject.claims.values():
+        if bound is not None and claim.status is Outcome.PROVEN and claim.id in ("eq9", "eq18"):
+            yield from _within_and_beyond(subject, claim, _built(subject, claim), bound)
+
+
+def _built(subject: Subject, claim: Claim) -> Callable[[Member], Loop]:
+    """The nominal joint that a claim is about."""
+
+    def loop(member: Member) -> Loop:
+        spec = member.spec
+        if claim.id == "eq9":
+            spec = spec.model_copy(update={"actuator": IdealActuator(type="ideal"), "sampling": None})
+        return free(spec, subject.C, nominal_load(spec), frozen=claim.form.endswith("/frozen"))
+
+    return loop
+
+
+def _within_and_beyond(
+    subject: Subject, claim: Claim, built: Callable[[Member], Loop], bound: Bound
+) -> Iterator[Finding]:
+    name, margin = f"{claim.id} {claim.form}", float(claim.margin or 1)
+    loops = [(member, built(member)) for member in subject.joints(claim)]
+    limits = [reachable(loop, bound, subject.band) for _, loop in loops]
+    member, loop = loops[int(np.argmin(limits))]
+    factors: list[tuple[Side, float]] = [("inside", max(1.0, WITHIN * margin))]
+    if claim.refuted_at is not None and BEYOND * min(limits) < FURTHEST * margin:
+        factors.append(("outside", BEYOND * max(min(limits), float(claim.refuted_at.value))))
+    for side, factor in factors:
+        tried = attack(loop, bound, factor, subject.band)
+        end = left_alone(loop.with_law(tried.delta.laws()), tried.delta.omega)
+        what = f"Δ within {factor:.6g} W, built against {tried.delta.omega:.4g} rad/s{member}, |ΔT| = {tried.reach:.4g}"
+        if side == "inside":
+            yield Finding(name, side, f"{what}; rate [/s]", end.rate, None, not end.grows)
+        else:
+            grown = f"{what}; grows by {end.rate:.3g} /s; factor on W"
+            yield Finding(name, side, grown, factor if end.grows else None, margin, end.grows or None)
+
+
+def discs(subject: Subject) -> Iterator[Finding]:
+    """With a weight or a table on top of the box: every corner with every Δ is stable where that is proven."""
+    bound = on_top(subject.spec)
+    kinds = (("eq12", "structured"), ("friction", "strictly-positive-real"))
+    kind = next((k for k in kinds if (c := subject.proven(*k)) and c.interval[1] is None and not c.interval[0]), None)
+    if bound is None or kind is None or not subject.stable:
+        return
+    loops = [
+        (member, free(member.spec, subject.C, load))
+        for member in subject.joints(subject.claims[kind]) for load in vertices(member.spec)
+    ]  # fmt: skip
+    member, loop = min(loops, key=lambda each: reachable(each[1], bound, subject.band))
+    tried = attack(loop, bound, 1.0, subject.band)
+    end = left_alone(loop.with_law(tried.delta.laws()), tried.delta.omega)
+    what = f"{loop.of}{member} and Δ on top, built against {tried.delta.omega:.4g} rad/s, |ΔT| = {tried.reach:.4g}"
+    yield Finding(" ".join(kind), "inside", f"{what}; rate [/s]", end.rate, None, not end.grows)
+
+
+def boxes(subject: Subject) -> Iterator[Finding]:
+    """Every box stretched by the proven factor, and the joint at which the next one fails."""
+    for end in ("free", "locked"):
+        claim = subject.proven(f"stability-{end}", "box")
+        if claim is None or claim.margin is None:
             continue
-        joint = spec if physical else spec.model_copy(update={"actuator": IdealActuator(type="ideal")})
-        name, margin = f"{claim.id} {claim.form}", float(claim.margin or 1)
-        levels: list[tuple[Side, float]] = [("inside", max(1.0, WITHIN * margin))]
-        if claim.refuted_at is not None:
-            levels.append(("outside", BEYOND * float(claim.refuted_at.value)))
-        for side, factor in levels:
-            tried = attack(joint, C, bound, factor, band_of(spec))
-            end = left_alone(tried.joint(joint, C), tried.omega)
-            what = (
-                f"Δ within {factor:.6g} W, built against {tried.omega:.4g} rad/s, |ΔT| = {tried.reach:.4g}; rate [/s]"
-            )
-            agrees = not end.grows if side == "inside" else (end.grows or None)
-            yield Finding(name, side, what, end.worst_pole, None, agrees)
+        name, margin = f"{claim.id} box", claim.margin
+        rate = max(_rate(one.spec, subject, end, margin) for one in members(ranges_stretched(subject.spec, margin)))
+        what = f"corners of {float(margin):.6g} × the box; rate [/s]"
+        yield Finding(name, "inside", what, rate, None, rate < 0)
+        yield from _beyond_box(subject, claim, end)
 
 
-def boxes(spec: Spec, C: Compensator, claims: Claims) -> Iterator[Finding]:
-    """The box stretched by the proven factor, and the load at which the next one fails."""
-    claim = proven(claims, "stability-free", "box")
-    if claim is None or claim.margin is None:
+def _rate(spec: Spec, subject: Subject, end: str, stretch: Fraction) -> float:
+    if end == "locked":
+        return locked(spec, subject.C).rate
+    return worst_rate(spec, subject.C, vertices(spec, float(stretch)))
+
+
+def _beyond_box(subject: Subject, claim: Claim, end: str) -> Iterator[Finding]:
+    """The joint of the witness, a little further from the nominal one."""
+    witness = witness_of(claim)
+    if witness is None or claim.refuted_at is None:
         return
-    inside = float(worst_poles(spec, C, vertices(spec, float(claim.margin))).max())
+    C, margin, factor = subject.C, float(claim.margin or 0), BEYOND * float(claim.refuted_at.value)
+    spec = subject.spec
+    if witness.impedance or witness.actuator:
+        at_witness = member_of(spec, witness).spec
+        spec = _further(spec, at_witness)
+    load = load_of(witness)
+    nominal = nominal_load(spec)
+    if end == "locked" or load is None:
+        loop = locked(spec, C) if end == "locked" else free(spec, C, nominal)
+    else:
+        loop = free(spec, C, nominal + BEYOND * (load - nominal))
+    found = left_alone(loop)
+    what = f"joint of the witness, {BEYOND} times as far: {loop.of}; grows by {found.rate:.3g} /s; factor on the box"
     yield Finding(
-        "stability-free box",
-        "inside",
-        f"corners of {float(claim.margin):.6g} × the box; rate [/s]",
-        inside,
-        None,
-        inside < 0,
+        f"{claim.id} box", "outside", what, factor if found.grows else None, margin, found.grows or None
+    )  # fmt: skip
+
+
+def _further(spec: Spec, at_witness: Spec) -> Spec:
+    """A joint beyond that of a witness, as seen from the nominal one."""
+    nominal = next(iter(members(spec))).spec
+
+    def moved(part: str) -> dict[str, Fraction]:
+        ours, theirs = getattr(nominal, part), getattr(at_witness, part)
+        pairs = {name: (getattr(ours, name), value) for name, value in theirs if isinstance(value, Fraction)}
+        return {name: a + Fraction(str(BEYOND)) * (b - a) for name, (a, b) in pairs.items()}
+
+    return at_witness.model_copy(
+        update={part: getattr(at_witness, part).model_copy(update=moved(part)) for part in ("impedance", "actuator")}
     )
-    witness = claim.refuted_at.witness if claim.refuted_at else None
-    if witness is None or witness.load is None or not witness.omega:
-        return
-    nominal = nominal_load(spec)[0]
-    marginal = np.array([float(v) for v in (witness.load.inertia, witness.load.damping, witness.load.stiffness)])
-    load = nominal + BEYOND * (marginal - nominal)
-    end = left_alone(switched(spec, C, load[None]), float(witness.omega))
-    what = f"load of the witness, {BEYOND} times as far: I={load[0]:.4g} B={load[1]:.4g} K={load[2]:.4g}; rate [/s]"
-    yield Finding("stability-free box", "outside", what, end.worst_pole, None, end.grows or None)
 
 
-def partners(spec: Spec, C: Compensator, claims: Claims) -> Iterator[Finding]:
+def partners(subject: Subject) -> Iterator[Finding]:
     """A mass and spring tuned against the joint come to rest where it is passive, and drive it unstable where not."""
-    claim, band = claims.get(("eq12", "structured")), band_of(spec)
+    claim = subject.claims.get(("eq12", "structured"))
     if claim is None:
         return
+    C, hints = subject.C, hints_of(claim)
+    spec = min((one.spec for one in subject.joints(claim)), key=lambda one: _resistance(one, subject, hints))
     stretches: list[tuple[Side, float]] = []
-    if passive_port(claims):
-        limit = stretch_to_yield(spec, C, band)
+    if subject.passive:
+        limit = stretch_to_yield(spec, C, subject.band)
         stretches = [("inside", 1.0)]
         if limit is not None:
             stretches.append(("outside", BEYOND * limit))
     elif claim.status is Outcome.REFUTED:
         stretches = [("outside", 1.0)]
     for side, stretch in stretches:
-        load, omega = tones.worst(spec, C, vertices(spec, stretch), tones.yielding, band, hints_of(claim))
-        other = partner(spec, C, load, omega)
-        end = left_alone(other.joint(spec, C, load), omega)
-        fed = tones.measured(spec, C, load, omega).resistance if side == "outside" else None
-        drawn = "" if fed is None else f", Re(Z/jω) = {fed:.4g} N·m·s/rad measured"
+        loads = vertices(spec, stretch)
+        which, omega = hardest(spec, C, loads, subject.band, hints)
+        loop = free(spec, C, loads[which])
+        other = partner(loop, omega)
+        end = left_alone(loop.with_law(other.laws()), omega)
+        drawn = ""
+        if side == "outside" and loop.poles.stable:
+            fed = -tones.measured(loop, tones.RESISTANCE, omega).worse
+            drawn = f", Re(Z/jω) = {fed:.4g} N·m·s/rad measured"
         what = f"{stretch:.5g} × the box, mass {other.inertia:.4g} on spring {other.stiffness:.4g}"
         what += f" at {omega:.5g} rad/s{drawn}; rate [/s]"
         agrees = not end.grows if side == "inside" else (end.grows or None)
-        yield Finding("eq12 structured", side, what, end.worst_pole, None, agrees)
+        yield Finding("eq12 structured", side, what, end.rate, None, agrees)
+
+
+def _resistance(spec: Spec, subject: Subject, hints: tuple[float, ...]) -> float:
+    loads: Array = vertices(spec)
+    which, omega = hardest(spec, subject.C, loads, subject.band, hints)
+    return -float(tones.RESISTANCE.of(free(spec, subject.C, loads[which]), np.array([omega]))[0])

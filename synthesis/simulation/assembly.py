@@ -14,9 +14,10 @@ def assemble(spec: Spec, compensator: Compensator, load: Load) -> Joint:
 
     Raises: RobimpError for a singular algebraic loop, InputError for an improper C.
     """
-    if spec.sampling is None:
+    lags = lags_of(spec)
+    if lags is None:
         return Joint(load, free_equations(spec, compensator, load))
-    return HeldJoint(load, free_equations(spec, compensator, load, command="held"), _lags(spec))
+    return HeldJoint(load, free_equations(spec, compensator, load, command="held"), lags)
 
 
 def poles_against_wall(spec: Spec, compensator: Compensator) -> Poles:
@@ -24,11 +25,12 @@ def poles_against_wall(spec: Spec, compensator: Compensator) -> Poles:
 
     Raises: RobimpError for a singular algebraic loop, InputError for an improper C.
     """
-    if spec.sampling is None:
+    lags = lags_of(spec)
+    if lags is None:
         return poles_of(wall_equations(spec, compensator))
-    return held_poles(pair(wall_equations(spec, compensator, command="held"), _lags(spec)))
+    return held_poles(pair(wall_equations(spec, compensator, command="held"), lags))
 
 
-def _lags(spec: Spec) -> Lags:
-    assert spec.sampling is not None
-    return Lags.of(spec.sampling, float(default_frequencies(spec).max()))
+def lags_of(spec: Spec) -> Lags | None:
+    """Hold and delay of a specification, in steps fine enough for its own frequencies; None: continuous."""
+    return None if spec.sampling is None else Lags.of(spec.sampling, float(default_frequencies(spec).max()))

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import block_diag, matrix_balance
+from scipy.linalg import matrix_balance
 
 from ..errors import InputError, RobimpError
 
@@ -166,8 +166,13 @@ def connect(blocks: Sequence[Block], inputs: Sequence[str] = (), outputs: Sequen
 
 
 def _diagonal(matrices: Sequence[Matrix]) -> Matrix:
-    # Blocks without states or inputs have empty matrices; their other dimension still counts.
-    return np.asarray(block_diag(*matrices), dtype=float)
+    """Blocks without states or inputs have empty matrices; their other dimension still counts."""
+    whole = np.zeros(np.sum([part.shape for part in matrices], axis=0))
+    row = column = 0
+    for part in matrices:  # SciPy's block_diag takes a hundred times as long for so many small ones
+        whole[row : row + part.shape[0], column : column + part.shape[1]] = part
+        row, column = row + part.shape[0], column + part.shape[1]
+    return whole
 
 
 def _solved(feedthrough: Matrix, signals: Sequence[str]) -> Matrix:

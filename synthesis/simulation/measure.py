@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import lstsq
 
 from ..errors import InputError, RobimpError
 from .excitation import Excitation
@@ -16,6 +17,7 @@ from .response import Response, simulate
 SAMPLES_PER_CYCLE = 20  # of the highest frequency
 FADED = 1e-13  # a transient below this fraction is rounding
 LIMIT = 200_000  # samples of a record
+EPSILON = float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +70,7 @@ def _fitted(response: Response, part: slice, omega: Samples, modes: NDArray[np.c
     waves = np.exp(1j * np.outer(t, omega))
     decays = np.exp(np.outer(t - t[0], modes[modes.imag >= 0]))
     basis = np.hstack([waves.real, -waves.imag, decays.real, decays.imag])
-    fit = np.linalg.lstsq(basis, records, rcond=None)[0]
+    fit = lstsq(basis, records, cond=EPSILON * len(t), lapack_driver="gelsy")[0]
     residual = np.sqrt(np.mean((records - basis @ fit) ** 2, axis=0))
     n = len(omega)
     phasors = fit[:n] + 1j * fit[n : 2 * n]

@@ -54,6 +54,12 @@ def members(spec: Spec) -> Iterator[Member]:
         yield _member(spec, {name: both[end] for name, both, end in zip(names, intervals, ends, strict=True)})
 
 
+def with_parameters(spec: Spec, impedance: Load | None, drive: Drive | None) -> Member:
+    """One of the joints of a specification with ranges: with this impedance and drive, None: the middle."""
+    given = {name: getattr(impedance, name) for name in WISH if impedance} | (vars(drive) if drive else {})
+    return _member(spec, given)
+
+
 def middle_of(spec: Spec) -> Spec:
     """The specification with the middle of the impedances and the nominal drive."""
     return next(members(spec)).spec

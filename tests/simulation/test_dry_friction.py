@@ -176,6 +176,27 @@ class TestPorts:
         assert run.trace("velocity")[-1] == pytest.approx(-1.0, abs=1e-6)
         assert (run.trace("tau_int") <= 1e-9).all() and run.trace("theta").max() > 0.3
 
+    @pytest.mark.parametrize("place", [0.4508, 0.4511, 0.45124])
+    def test_a_wall_that_is_met_and_left_within_one_tick_is_met(self, place):
+        joint = body(2, wall=Wall(stiffness=5e4, damping=200.0, place=place))  # apex 0.95²/2 = 0.45125 at 0.95 s
+        start = np.array([0.95, 0.0])
+        coarse = simulate_batch(joint, 0.1, np.full(20, -2.0), start=start, every=1, levels=20)
+        fine = simulate_batch(joint, 1e-3, np.full(2000, -2.0), start=start, every=100, levels=20)
+        thrown = 0.95 * 1.9 - 1.9**2 / 2
+        assert coarse.trace("theta")[-1] == pytest.approx(fine.trace("theta")[-1], abs=1e-6)
+        assert abs(coarse.trace("theta")[-1] - thrown) > 1e-3, "without the wall"
+
+    def test_contacts_much_shorter_than_a_tick_are_those_of_fine_ticks(self):
+        rng = np.random.default_rng(0)
+        for _ in range(30):
+            place = rng.uniform(0, 0.3)
+            joint = body(1, 100.0, wall=Wall(10 ** rng.uniform(3, 7), 0.0, place))
+            start = np.array([rng.uniform(1, 5), rng.uniform(-0.3, min(place, 0.1))])
+            coarse, fine = (
+                simulate_batch(joint, 0.05 / n, np.zeros(20 * n), start=start, every=n, levels=20) for n in (1, 64)
+            )
+            assert abs(coarse.trace("theta") - fine.trace("theta")).max() < 1e-3
+
     def test_prescribed_motion_is_answered_by_the_torque_it_takes(self):
         joint = body(2, faults=Imperfections(load_friction=0.5), driven=True)
         run = simulate_batch(joint, 1e-2, np.zeros(100), motion=np.ones(100), every=1)

@@ -15,17 +15,41 @@ from robimp.synthesis.errors import ExitCode
 PAPER = Path(__file__).parents[1] / "data" / "golden" / "haninger2016-paper.json"
 
 
-def test_writes_every_joint_and_finding_and_repeats_itself(tmp_path):
-    run = robimp("simulate", PAPER, "--loads", "20", "--seed", "3", "-o", tmp_path)
+@pytest.fixture(scope="module")
+def first(tmp_path_factory):
+    """One run, and where it wrote."""
+    folder = tmp_path_factory.mktemp("first")
+    return robimp("simulate", PAPER, "--loads", "20", "--seed", "3", "-o", folder), folder
+
+
+def test_writes_every_joint_and_finding(first):
+    run, folder = first
     assert run.code == ExitCode.PROVEN and "20 joints drawn" in run.out and "AGREES" in run.out
-    first = np.load(tmp_path / "joints.npz")
-    content = json.loads((tmp_path / "simulation.json").read_text(encoding="utf-8"))
-    assert first["loads"].shape == (20, 3) and not first["grew"].any()
+    joints = np.load(folder / "joints.npz")
+    content = json.loads((folder / "simulation.json").read_text(encoding="utf-8"))
+    assert joints["loads"].shape == (20, 3) and not joints["grew"].any()
     assert content["agrees"] and content["seed"] == 3 and content["drawn"] == 20
     assert any(finding["side"] == "outside" and finding["agrees"] for finding in content["findings"])
-    robimp("simulate", PAPER, "--loads", "20", "--seed", "3", "-o", tmp_path / "again")
-    second = np.load(tmp_path / "again" / "joints.npz")
-    assert all((first[name] == second[name]).all() for name in first.files)
+
+
+def test_every_bound_stands_beside_what_was_simulated(first):
+    rows = {line[:24].strip(): line.split()[-1] for line in first[0].out.splitlines() if line.endswith("%")}
+    assert {"peak sensitivity", "eq12 structured", "stability-free box"} <= set(rows)
+    assert all(float(share.rstrip("%")) > 95 for share in rows.values())
+
+
+def test_repeats_itself_and_says_what_the_certificate_leaves_out_for_information(first, tmp_path):
+    faults = ("--friction-load", "0.05", "--stiction", "1.5", "--encoder", "1e-4", "--noise", "0.01", "--rate", "1000")
+    run = robimp("simulate", PAPER, "--loads", "20", "--seed", "3", *faults, "-o", tmp_path, "--json")
+    assert run.code == ExitCode.PROVEN
+    content = json.loads(run.out, parse_constant=pytest.fail)
+    extra = [finding for finding in content["findings"] if finding["claim"] == "not certified"]
+    assert {(finding["side"], finding["agrees"]) for finding in extra} == {("information", None)}
+    assert all("load friction 0.05" in finding["what"] and "1000 Hz" in finding["what"] for finding in extra)
+    before, joints = np.load(first[1] / "joints.npz"), np.load(tmp_path / "joints.npz")
+    assert all((before[name] == joints[name]).all() for name in before.files)
+    assert (joints["real_loads"] == joints["loads"]).all()
+    assert (joints["real_largest_angle"] < joints["largest_angle"]).all(), "friction brakes"
 
 
 def test_repeats_an_experiment_of_the_paper(tmp_path):
@@ -35,7 +59,17 @@ def test_repeats_an_experiment_of_the_paper(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "reason"), [(("--experiment", "fig13"), "expected one of fig9"), (("--loads", "-1"), "--loads")]
+    ("arguments", "reason"),
+    [
+        (("--experiment", "fig13"), "expected one of fig9"),
+        (("--loads", "-1"), "--loads"),
+        (("--noise", "0.01"), "give its --rate"),
+        (("--precision", "float"), "give its --rate"),
+        (("--friction-load", "inf"), "must be finite"),
+        (("--friction-load", "nan"), "--friction-load"),
+        (("--stiction", "0.5"), "--stiction"),
+        (("--friction-load", "0.1", "--loads", "0"), "--loads must not be 0"),
+    ],
 )
 def test_refuses_what_it_does_not_know(arguments, reason):
     assert reason in refused(ExitCode.INPUT, "simulate", PAPER, *arguments)

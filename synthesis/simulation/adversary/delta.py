@@ -1,121 +1,129 @@
 """Unstructured uncertainty at its worst: a stable rational Δ within a bound that turns the loop's own phase against it.
 
-`G = Ĝ(1+Δ)` is the nominal load with a further torque `Δ·(τ_int + τ_sea)` that no sensor feels. What Δ sees is
-`T = (τ_int + τ_sea)/unfelt torque`; the loop closes on itself where `Δ T = 1`.
+`G = G₀(1+Δ)` is a load with a further torque, Δ times all that is applied to it, that no sensor feels. What Δ sees is
+`T = applied/unfelt torque`; the loop closes on itself where `Δ T = 1`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...spec.model import Spec
-from ..batch.switched import Switched, switched
-from ..block import Block, combination, transfer
-from ..equations import Compensator, loads
-from .tones import Array, responses
-
-Bound = Callable[[Array], Array]  # W at frequencies [rad/s]
+from ..block import Block, transfer
+from .bounds import Bound, rational
+from .loop import Array, Loop
+from .tones import Badness, Quantity, worst
 
 DAMPINGS = (0.7, 0.3, 0.1, 0.03, 0.01)  # of the band that Δ is made of, from wide to narrow
+SLOPES = (1, 2, 3)  # with which it falls to both sides
+NEARLY = 0.99  # of the size asked for: good enough to stop
 CHECKED = np.geomspace(1e-6, 1e6, 6001)  # of the frequency Δ is built for
 DECADES = 3.0  # below and above the joint's own frequencies, where the critical one is looked for
 FILL = 0.999  # of the bound that Δ uses at most
+PHASES = np.linspace(-np.pi, np.pi, 72, endpoint=False)
 
 
 @dataclass(frozen=True, eq=False)
-class Attack:
-    """A Δ built against one frequency [rad/s]; `reach`: |Δ T| there, above 1 if the bound allows; `fill`: max |Δ|/W."""
+class Delta:
+    """A stable Δ built for one frequency [rad/s]; `gain`: |Δ| there, `fill`: max |Δ|/W."""
 
     omega: float
     numerator: tuple[float, ...]
     denominator: tuple[float, ...]
-    reach: float
+    gain: float
     fill: float
 
     def laws(self) -> list[Block]:
         """The laws of Δ, for the `environment` of a joint."""
-        delta = transfer("unfelt_torque", "felt", *(list(map(Fraction, p)) for p in (self.numerator, self.denominator)))
-        return [combination("felt", tau_int=1, tau_sea=1), delta]
-
-    def joint(self, spec: Spec, C: Compensator) -> Switched:
-        """The nominal joint with this Δ."""
-        return switched(spec, C, loads(spec)[:1], environment=self.laws())
+        return [
+            transfer("unfelt_torque", "applied", *(list(map(Fraction, p)) for p in (self.numerator, self.denominator)))
+        ]
 
 
-def seen(spec: Spec, C: Compensator, omega: Array) -> NDArray[np.complex128]:
-    """T at each frequency, (n,): with the nominal load, `Ĝ⁻¹ θ/disturbance − 1`."""
-    load = loads(spec)[0]
-    I, B, K = float(load.inertia), float(load.damping), float(load.stiffness)  # noqa: E741
-    Z, attenuation = responses(spec, C, np.array([[I, B, K]]), omega)
-    s = 1j * omega
-    return np.asarray((I * s**2 + B * s + K) * attenuation[0] / Z[0] - 1)
+@dataclass(frozen=True, eq=False)
+class Attack:
+    """A Δ against stability; `reach`: |Δ T| at its frequency, above 1 if the bound allows."""
+
+    delta: Delta
+    reach: float
 
 
-def attack(spec: Spec, C: Compensator, bound: Bound, factor: float, band: tuple[float, float]) -> Attack:
+def seen(loop: Loop, omega: Array) -> Array:
+    """|T| at each frequency, (n,)."""
+    return np.asarray(abs(loop.response(omega, "applied", "unfelt")[0]))
+
+
+def attack(loop: Loop, bound: Bound, factor: float, band: tuple[float, float]) -> Attack:
     """The Δ with |Δ| ≤ factor·W that comes closest to closing the loop, or closes it where it does so fastest."""
     low, high = band
     grid = np.geomspace(low / 10**DECADES, high * 10**DECADES, 4000)
-    reach = factor * FILL * bound(grid) * abs(seen(spec, C, grid))
+    reach = factor * FILL * bound(grid) * seen(loop, grid)
     # Above 1 everywhere counts alike; then a fast growth shows sooner than a slow one.
     best = np.argmax(reach) if reach.max() <= 1 else np.flatnonzero(reach > 1 + 0.5 * (reach.max() - 1))[-1]
-    return _at(spec, C, bound, factor, float(grid[best]))
+    omega = float(grid[best])
+    T = complex(loop.response(grid[[best]], "applied", "unfelt")[0][0])
+    delta = built(lambda frequencies: factor * bound(frequencies), omega, -float(np.angle(T)))
+    return Attack(delta, delta.gain * abs(T))
 
 
-def _at(spec: Spec, C: Compensator, bound: Bound, factor: float, omega: float) -> Attack:
-    T = complex(seen(spec, C, np.array([omega]))[0])
-    size = factor * FILL * float(bound(np.array([omega]))[0])
-    phase = -np.angle(T)
-    frequencies = CHECKED * omega
-    allowed = factor * bound(frequencies)
-    for zeta in DAMPINGS:
-        numerator, denominator = _shaped(omega, zeta, size, phase)
-        fill = abs(_value(numerator, denominator, frequencies)) / np.maximum(allowed, 1e-300)
-        if fill.max() <= 1:
+def reachable(loop: Loop, bound: Bound, band: tuple[float, float]) -> float:
+    """The factor on W from which on some Δ closes the loop; inf if none does."""
+    low, high = band
+
+    def reach(omega: Array) -> Array:
+        return np.asarray(FILL * bound(omega) * seen(loop, omega))
+
+    _, omega = worst([reach], (low / 10**DECADES, high * 10**DECADES))
+    most = float(reach(np.array([omega]))[0])
+    return 1 / most if most > 0 else np.inf
+
+
+def worst_within(
+    loops: Sequence[Loop], quantity: Quantity, bound: Bound, band: tuple[float, float], hints: tuple[float, ...]
+) -> tuple[int, Delta]:
+    """The loop, and the Δ within the bound, for which a quantity of the port is worst at some frequency."""
+
+    def at_phases(loop: Loop, omega: Array) -> Array:
+        """Of every phase of the largest Δ, (phases, n)."""
+        delta = FILL * bound(omega) * np.exp(1j * PHASES)[:, None]
+        *applied, T = loop.response(omega, "applied", *quantity.inputs, "unfelt")
+        *theta, unfelt = loop.response(omega, "theta", *quantity.inputs, "unfelt")
+        closed = [free + unfelt * delta * seen / (1 - delta * T) for free, seen in zip(theta, applied, strict=True)]
+        return quantity.worse(omega, *closed)
+
+    def badness(loop: Loop) -> Badness:
+        return lambda omega: np.asarray(at_phases(loop, omega).max(axis=0))
+
+    which, omega = worst([badness(loop) for loop in loops], band, hints)
+    phase = PHASES[np.argmax(at_phases(loops[which], np.array([omega]))[:, 0])]
+    return which, built(bound, omega, float(phase))
+
+
+def built(bound: Bound, omega: float, phase: float) -> Delta:
+    """A stable rational Δ that nearly fills the bound at ω [rad/s] with a phase [rad], within it everywhere."""
+    size, frequencies = FILL * float(bound(np.array([omega]))[0]), CHECKED * omega
+    allowed, best = np.maximum(bound(frequencies), 1e-300), Delta(omega, (0.0,), (1.0,), 0.0, 0.0)
+    for slope, zeta in product(SLOPES, DAMPINGS):
+        numerator, denominator = _shaped(omega, zeta, slope, (phase + np.pi) % (2 * np.pi) - np.pi)
+        fill = size * float((abs(rational(numerator, denominator, frequencies)) / allowed).max())
+        gain = size / max(fill, 1.0)
+        if gain > best.gain:
+            best = Delta(omega, tuple(gain * numerator), tuple(denominator), gain, min(fill, 1.0))
+        if gain >= NEARLY * size:
             break
-    shrink = max(fill.max(), 1.0)
-    gain = abs(complex(_value(numerator, denominator, np.array([omega]))[0])) / shrink
-    return Attack(omega, tuple(numerator / shrink), tuple(denominator), gain * abs(T), float(fill.max() / shrink))
+    return best
 
 
-def _shaped(omega: float, zeta: float, size: float, phase: float) -> tuple[Array, Array]:
-    """A band-pass of gain `size` at ω with the phase asked for, by a first-order all-pass and a sign."""
+def _shaped(omega: float, zeta: float, slope: int, phase: float) -> tuple[Array, Array]:
+    """A band-pass of gain 1 at ω with the phase asked for, by a first-order all-pass and a sign."""
     sign, rest = (1.0, phase) if phase <= 0 else (-1.0, phase - np.pi)  # (β−s)/(β+s) turns by −2 atan(ω/β): 0 … −π
     beta = omega / np.tan(min(max(-rest / 2, 1e-9), np.pi / 2 - 1e-9))
-    numerator = np.polymul([sign * size * 2 * zeta * omega, 0.0], [-1.0, beta])
-    return numerator, np.polymul([1.0, 2 * zeta * omega, omega**2], [1.0, beta])
-
-
-def _value(numerator: Array, denominator: Array, omega: Array) -> NDArray[np.complex128]:
-    return np.asarray(np.polyval(numerator, 1j * omega) / np.polyval(denominator, 1j * omega))
-
-
-def bound_of(spec: Spec) -> Bound | None:
-    """W of the specification: its weight, or the largest |Ĝ⁻¹/G⁻¹ − 1| over its box; None for both or a table."""
-    uncertainty = spec.uncertainty
-    if uncertainty.table is not None or (uncertainty.weight is None) == (uncertainty.box is None):
-        return None
-    if uncertainty.weight is not None:
-        numerator, denominator = (np.array([float(c) for c in part]) for part in (
-            uncertainty.weight.numerator, uncertainty.weight.denominator))  # fmt: skip
-        return lambda omega: np.asarray(abs(_value(numerator, denominator, omega)))
-    return lambda omega: _of_box(spec, omega)
-
-
-def _of_box(spec: Spec, omega: Array) -> Array:
-    """Over the edges of the rectangle that `G⁻¹ = K − Iω² + jωB` fills: W from below, so that Δ stays within it."""
-    box, plant = spec.uncertainty.box, spec.plant
-    assert box is not None
-    (I0, I1), (B0, B1), (K0, K1) = ((float(a), float(b)) for a, b in (box.inertia, box.damping, box.stiffness))
-    s = 1j * omega
-    nominal = float(plant.inertia) * s**2 + float(plant.damping) * s + float(plant.stiffness)
-    low, high = K0 - I1 * omega**2, K1 - I0 * omega**2
-    candidates = [end + s * B for end in (low, high) for B in (B0, B1)]
-    for t in np.linspace(0, 1, 33)[1:-1]:
-        candidates += [low + t * (high - low) + s * B for B in (B0, B1)]
-        candidates += [end + s * (B0 + t * (B1 - B0)) for end in (low, high)]
-    return np.asarray(np.max([abs(nominal / value - 1) for value in candidates], axis=0))
+    numerator, denominator = np.array([-sign, sign * beta]), np.array([1.0, beta])
+    for _ in range(slope):
+        numerator = np.polymul(numerator, [2 * zeta * omega, 0.0])
+        denominator = np.polymul(denominator, [1.0, 2 * zeta * omega, omega**2])
+    return numerator, denominator

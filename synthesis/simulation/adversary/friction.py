@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...spec.model import Spec
+from ..batch.law import law_and_compensator
 from ..batch.run import simulate_batch
 from ..batch.switched import Imperfections, switched
 from ..equations import Compensator
+from .loop import Array
 from .stretched import vertices
-from .tones import Array
 
 SECONDS = 60.0
 TICK = 1e-3
@@ -38,13 +39,15 @@ class Rest:
 def rest_under_friction(spec: Spec, C: Compensator, loads: Array | None = None, seconds: float = SECONDS) -> Rest:
     """For every load (the box's corners) pushes that are three times as large for the first tenth of the time."""
     table = vertices(spec) if loads is None else loads
-    ticks = round(seconds / TICK)
+    law, continuous = law_and_compensator(spec, C)
+    tick = law.tick if law else TICK
+    ticks = round(seconds / tick)
     courses = np.outer(PUSHES, np.where(np.arange(ticks) < ticks // 10, 3.0, 1.0))
     joints = switched(
-        spec, C, np.repeat(table, len(PUSHES), axis=0), Imperfections(load_friction=1.0, stiction=STICTION)
+        spec, continuous, np.repeat(table, len(PUSHES), axis=0), Imperfections(load_friction=1.0, stiction=STICTION)
     )
     chosen = np.tile(np.arange(len(PUSHES)), len(table)).astype(np.int64)
-    run = simulate_batch(joints, TICK, courses, chosen=chosen)
+    run = simulate_batch(joints, tick, courses, chosen=chosen, law=law)
     moved = run.high - run.low
     hunts = (run.reversals > 1) & (moved > QUIET * np.maximum(run.early, run.late))
     return Rest(

@@ -1,18 +1,19 @@
-"""The box of loads stretched about its nominal load until something gives: stability, or passivity."""
+"""The boxes of loads, impedances and actuators stretched about the nominal joint until something gives."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import product
 
 import numpy as np
 
-from ...spec.model import Spec
+from ...spec.model import Interval, Spec
 from ..batch.environment import attached
-from ..batch.switched import Switched, switched
 from ..block import Block
-from ..equations import Compensator
-from .tones import Array, responses, worst, yielding
+from ..equations import Compensator, middle
+from .loop import Array, Loop, free
+from .tones import RESISTANCE, worst
 
 FINE = 1e-4  # relative, of a stretch
 FASTER = 10.0  # the environment's own slope of reactance over the joint's
@@ -29,10 +30,30 @@ def vertices(spec: Spec, stretch: float = 1.0) -> Array:
     return np.asarray(nominal + stretch * (corners - nominal))
 
 
-def worst_poles(spec: Spec, C: Compensator, loads: Array) -> Array:
-    """Real part of the worst pole [rad/s] of each load in free motion."""
-    joint = switched(spec, C, loads)
-    return np.asarray(np.linalg.eigvals(joint.flows[:, 0, :, : joint.states]).real.max(axis=1))
+def ranges_stretched(spec: Spec, stretch: Fraction) -> Spec:
+    """The specification with its ranges of impedances about their middle, and of the actuator about its own value."""
+    wish, box = spec.impedance, spec.uncertainty.actuator
+    wider = {name: _wider(value, middle(value), stretch) for name, value in wish if isinstance(value, tuple)}
+    drive = {name: _wider(value, getattr(spec.actuator, name), stretch) for name, value in box or () if value}
+    uncertainty = spec.uncertainty
+    if box is not None:
+        uncertainty = uncertainty.model_copy(update={"actuator": box.model_copy(update=drive)})
+    return spec.model_copy(update={"impedance": wish.model_copy(update=wider), "uncertainty": uncertainty})
+
+
+def _wider(interval: Interval, about: Fraction, stretch: Fraction) -> Interval:
+    low, high = interval
+    return about + stretch * (low - about), about + stretch * (high - about)
+
+
+def joints(spec: Spec, C: Compensator, loads: Array) -> list[Loop]:
+    """The joint with each load (k, 3)."""
+    return [free(spec, C, load) for load in loads]
+
+
+def worst_rate(spec: Spec, C: Compensator, loads: Array) -> float:
+    """Real part of the worst pole [rad/s] of any of the loads in free motion."""
+    return max(loop.rate for loop in joints(spec, C, loads))
 
 
 def stretch_to_yield(spec: Spec, C: Compensator, band: tuple[float, float], most: float = 20.0) -> float | None:
@@ -42,17 +63,24 @@ def stretch_to_yield(spec: Spec, C: Compensator, band: tuple[float, float], most
         corners = vertices(spec, stretch)
         if corners[:, 0].min() <= 0:
             return True
-        load, omega = worst(spec, C, corners, yielding, band)
-        Z, _ = responses(spec, C, load[None], np.array([omega]))
-        return bool((Z[0, 0] / (1j * omega)).real < 0)
+        which, omega = hardest(spec, C, corners, band)
+        return float(RESISTANCE.of(free(spec, C, corners[which]), np.array([omega]))[0]) > 0
 
     if not yields(most):
         return None
     low, high = 0.0, most
     while high - low > FINE * high:
-        middle = (low + high) / 2
-        low, high = (low, middle) if yields(middle) else (middle, high)
+        middle_ = (low + high) / 2
+        low, high = (low, middle_) if yields(middle_) else (middle_, high)
     return high if vertices(spec, high)[:, 0].min() > 0 else None
+
+
+def hardest(
+    spec: Spec, C: Compensator, loads: Array, band: tuple[float, float], hints: tuple[float, ...] = ()
+) -> tuple[int, float]:
+    """Which load, and at what frequency [rad/s], resists motion least."""
+    each = [(lambda omega, loop=loop: RESISTANCE.of(loop, omega)) for loop in joints(spec, C, loads)]
+    return worst(each, band, hints)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,20 +95,15 @@ class Partner:
         """Held rigidly at the port."""
         return attached(self.inertia, 0, self.stiffness)
 
-    def joint(self, spec: Spec, C: Compensator, load: Array) -> Switched:
-        """The joint coupled to it."""
-        return switched(spec, C, load[None], environment=self.laws())
 
-
-def partner(spec: Spec, C: Compensator, load: Array, omega: float) -> Partner:
+def partner(loop: Loop, omega: float) -> Partner:
     """The mass and spring that cancel the joint's reactance at ω, where its resistance is negative, and resonate there.
 
     Their reactance rises so steeply that the joint's own slope does not count: what remains at ω is a resonance with
     negative resistance, and it grows.
     """
     near = omega * np.array([1 - 1e-4, 1.0, 1 + 1e-4])
-    Z, _ = responses(spec, C, load[None], near)
-    port = Z[0] / (1j * near)
+    port = 1 / (1j * near * loop.response(near, "theta", "push")[0])
     reactance, slope = port[1].imag, abs(port[2] - port[0]) / (near[2] - near[0])
     steep = max(FASTER * slope, 1.01 * abs(reactance) / omega)
     return Partner(omega, (steep - reactance / omega) / 2, omega**2 * (steep + reactance / omega) / 2)

@@ -2,10 +2,9 @@
 
 Friction is the set `f ∈ −F_c Sgn(v)`: between −F_c and F_c at rest, opposing the motion otherwise. While neither
 contact changes between sticking and slipping, the torque does not saturate and the wall is not met, the joint is linear
-and its step exact. A
-step at whose end one of these no longer holds is halved until only the finest is left, and that one is
-implicit: the friction of both contacts is what makes the velocities at its *end* obey the law. A contact that
-sticks has the velocity zero, not a small one.
+and its step exact. A step at whose end one of these no longer holds, or in which the wall may have been met, is halved
+until only the finest is left, and that one is implicit: the friction of both contacts is what makes the velocities at
+its *end* obey the law. A contact that sticks has the velocity zero, not a small one.
 
 State x: load velocity, load angle, then (if there is a motor) motor velocity, angle, then the rest. Inputs w of a
 step: see `INPUTS`. Switches, each −1, 0 or 1: where load and motor slip to (0: stick), saturation, wall (0: clear).
@@ -29,13 +28,15 @@ CONTACTS = 2  # load, motor: their velocities are x[0] and x[2]
 SATURATED, TOUCHING = 2, 3  # of switches
 READ = ("load_friction", "motor_friction", "demand", "tau_int")  # rows: friction that holds the contact, torques
 DEMAND, TAU_INT = 2, 3
+RESOLVED = 0.5  # rad of the motion on the wall that a step against it may take
 SWEEPS = 50  # of the two contacts; they meet only through the spring, so two or three suffice
 
 
 class Limits(NamedTuple):
     """Coulomb friction of load and motor [N·m], torque limit [N·m] (inf: none), wall: stiffness, damping, place [rad].
 
-    `stiction`: what a contact at rest holds, over its Coulomb friction; at least 1.
+    `stiction`: what a contact at rest holds, over its Coulomb friction; at least 1. `wall_rate`: [rad/s], of the
+    lightest load on the wall.
     """
 
     load_friction: float
@@ -45,6 +46,7 @@ class Limits(NamedTuple):
     wall_damping: float
     wall_place: float
     stiction: float
+    wall_rate: float
 
 
 @inlined
@@ -57,8 +59,10 @@ def mode(switches: Switches) -> int:
 
 
 @compiled
-def halved(x: Array, w: Array, steps: Array, rows: Array, switches: Switches, limits: Limits, y: Array) -> int:
-    """Advance x by a tick in which something switches, each step as long as its laws hold to its end.
+def halved(
+    x: Array, w: Array, steps: Array, rows: Array, switches: Switches, limits: Limits, y: Array, h: float
+) -> int:
+    """Advance x by a tick h [s] in which something switches, each step as long as its laws hold to its end.
 
     `steps` (modes, levels, n, n + m) and `rows` (modes, 4, n + m); changes x and switches; y is scratch, (n,). Returns
     how many implicit steps it took.
@@ -70,7 +74,11 @@ def halved(x: Array, w: Array, steps: Array, rows: Array, switches: Switches, li
         level = _level(span, whole)
         while span > 1:
             advance(x, w, steps, level, switches, limits, y)
-            if holds(y, w, rows, switches, limits):
+            good = holds(y, w, rows, switches, limits)
+            if good and limits.wall_place < np.inf:
+                touching = switches[TOUCHING] != 0
+                good = not wall_missed(x[0], x[1], y[0], y[1], touching, limits, h * span / whole)
+            if good:
                 break
             span, level = span >> 1, level + 1
         if span == 1:
@@ -139,6 +147,23 @@ def _saturation(demand: float, limits: Limits) -> int:
 @inlined
 def _sticks(y: Array, w: Array, rows: Array, m: int, contact: int, limits: Limits) -> bool:
     return bool(abs(read(rows, m, contact, y, w)) <= limits[contact] * limits.stiction)
+
+
+@compiled
+def wall_missed(
+    v: float, theta: float, v_end: float, theta_end: float, touching: bool, limits: Limits, h: float
+) -> bool:
+    """Whether the wall may have been met, or left, within a step h [s] whose ends do not show it.
+
+    It turned in between: it went no further than where the tangents of the two ends cross.
+    """
+    if touching and limits.wall_rate * h > RESOLVED:
+        return True
+    away = -1.0 if touching else 1.0
+    if not (away * v > 0 and away * v_end < 0):
+        return False
+    furthest = theta + v * (theta_end - v_end * h - theta) / (v - v_end)
+    return bool(away * (furthest - limits.wall_place) > 0)
 
 
 @inlined

@@ -6,7 +6,7 @@ Human limbs are mass, damper and spring by measured values; each names its sourc
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from ...spec.model import Spec
 from ..block import Block, combination, connect, integrator
 from ..equations import Compensator, Load
-from ..excitation import multisine
 from ..joint import free_equations
 
 Number = Fraction | float
@@ -77,12 +76,6 @@ def second_robot(spec: Spec, compensator: Compensator, load: Load, grip: Number,
         other.A, other.B, other.C[[theta, velocity]], other.D[[theta, velocity]],
     )  # fmt: skip
     return [robot, combination("other_push", contact_torque=-1), *_grip(grip, grip_damping)]
-
-
-def sine(omega: float, signal: str = "contact_torque") -> tuple[list[Block], Array]:
-    """A torque of 1 N·m at `omega` [rad/s], exact, not held, felt or not (`unfelt_torque`): law and start state."""
-    excitation = multisine([omega])
-    return [replace(excitation.generator, outputs=(signal,))], excitation.start
 
 
 def stable_with(joint: Block, environment: Sequence[Block]) -> complex:

@@ -50,3 +50,12 @@ def sampled_law(
     loop = connect([differences(1 / rate), tustin(law, 1 / rate)], ["tau_int", "theta"], ["tau_d"])
     A, B, C, D = (np.ascontiguousarray(part, dtype=arithmetic) for part in (loop.A, loop.B, loop.C, loop.D))
     return SampledLaw(A, B, C, D, 1 / rate, delay)
+
+
+def law_and_compensator(
+    spec: Spec, compensator: Compensator, rate: float | None = None, arithmetic: Arithmetic = "float64"
+) -> tuple[SampledLaw | None, Compensator | None]:
+    """The sampled law where the specification or `rate` [Hz] says so, for `simulate_batch`; else C, for `switched`."""
+    if spec.sampling is None and rate is None:
+        return None, compensator
+    return sampled_law(spec, compensator, rate=rate, arithmetic=arithmetic), None

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .compiled import compiled, inlined
-from .dry import FRICTION, TAU_INT, Array, Limits, advance, halved, holds, mode, read
+from .dry import FRICTION, TAU_INT, TOUCHING, Array, Limits, advance, halved, holds, mode, read, wall_missed
 from .ladder import ladder
+from .shipped import Cascades, at_rest, shipped
 
 MODES = 16
 FIGURES = (
@@ -52,13 +53,18 @@ class Course(NamedTuple):
 
 
 class Digital(NamedTuple):
-    """The sampled law in its own arithmetic (no states and `on` false: continuous), encoder, noise and its seeds."""
+    """The sampled law in its own arithmetic, encoder, noise and its seeds.
+
+    `on` false: continuous; `sections`: by `cascades`, else by A, B, C, D; the others are empty.
+    """
 
     on: bool
+    sections: bool
     A: NDArray[Any]
     B: NDArray[Any]
     C: NDArray[Any]
     D: NDArray[Any]
+    cascades: Cascades
     delay: int
     encoder: float
     noise: float
@@ -109,11 +115,14 @@ def _joint(
     A, B, C, D, delay = digital.A, digital.B, digital.C, digital.D, digital.delay
     encoder, noise = digital.encoder, digital.noise
     xi, xi_next, sensed = np.zeros(len(A), dtype=A.dtype), np.zeros(len(A), dtype=A.dtype), np.zeros(2, dtype=A.dtype)
+    states = at_rest(digital.cascades)
+    past = np.zeros((2, 3), dtype=A.dtype)
     line, slot = np.zeros(delay + 1), 0
     turn = np.exp(-1j * look.sines)
     phase = np.exp(-1j * look.sines * look.since)
     if digital.on:
         np.random.seed(digital.seeds[joint])
+    walled = limits.wall_place < np.inf
     early = late = low = high = energy = lowest = highest = 0.0
     events = ticks = 0
     for k in range(total):
@@ -122,7 +131,10 @@ def _joint(
         if digital.on:
             sensed[0] = tau + (noise * np.random.standard_normal() if noise > 0 else 0.0)
             sensed[1] = _quantised(x[1], encoder)
-            line[slot] = _advanced(A, B, C, D, sensed, xi, xi_next)
+            if digital.sections:
+                line[slot] = shipped(digital.cascades, states, past, sensed)
+            else:
+                line[slot] = _advanced(A, B, C, D, sensed, xi, xi_next)
             slot = slot + 1 if slot < delay else 0
             w[2] = line[slot]
         if look.every and k % look.every == 0:
@@ -138,11 +150,14 @@ def _joint(
         advance(
             x, w, steps, 0, switches, limits, y
         )  # here, not in a function of its own: that would cost as much again
-        if holds(y, w, rows, switches, limits):
+        good = holds(y, w, rows, switches, limits)
+        if good and walled:
+            good = not wall_missed(speed, before, y[0], y[1], switches[TOUCHING] != 0, limits, plant.h)
+        if good:
             for i in range(len(x)):
                 x[i] = y[i]
         else:
-            events += halved(x, w, steps, rows, switches, limits, y)
+            events += halved(x, w, steps, rows, switches, limits, y, plant.h)
         energy += w[0] * (x[1] - before)
         lowest, highest = min(lowest, energy), max(highest, energy)
         ticks += 1

@@ -39,6 +39,11 @@ class Imperfections:
     torque_noise: float = 0.0
     stiction: float = 1.0
 
+    @property
+    def linear(self) -> bool:
+        """Whether nothing switches."""
+        return not (self.load_friction or self.motor_friction) and self.torque_limit == np.inf
+
 
 @dataclass(frozen=True)
 class Wall:
@@ -91,7 +96,7 @@ def switched(
     limits = Limits(
         faults.load_friction, faults.motor_friction if motor else 0.0, faults.torque_limit,
         *((wall.stiffness, wall.damping, wall.place) if wall else (0.0, 0.0, np.inf)),
-        faults.stiction,
+        faults.stiction, float(np.sqrt(wall.stiffness / table[:, 0].min())) if wall else 0.0,
     )  # fmt: skip
     its_states = slice(before, before + sum(len(law.A) for law in environment))
     return Switched(modes, flows, rows, limits, len(base.A), faults, its_states)

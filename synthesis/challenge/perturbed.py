@@ -1,0 +1,122 @@
+"""Controllers whose coefficients are wrong, each by as much as the tolerance allows, and one by a little more."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+
+import numpy as np
+
+from ..simulation import Member, members
+from ..simulation.adversary import tones
+from ..simulation.adversary.finding import Finding
+from ..simulation.adversary.loop import Loop, free, locked
+from ..simulation.equations import Compensator
+from ..spec.model import Polynomials, Spec
+from .levels import LEVELS, Level, loops_of
+from .proven import Subject, load_of, nominal_load, witness_of
+
+TRIED = 16  # sets of signs of the errors
+FEW = 2  # members of ranges that each of them is tried on
+POINTS = 300  # frequencies
+ROUNDING = 1e-9
+NAME = "tolerance coefficients"
+
+
+def tolerance(subject: Subject, coefficients: Polynomials, seed: int) -> Iterator[Finding]:
+    """Within the tolerance every requirement is met; the controller of the witness, just outside, breaks one."""
+    claim = subject.proven("tolerance", "coefficients")
+    if claim is None or claim.margin is None:
+        return
+    rng = np.random.default_rng(seed)
+    tried = [_wrong(coefficients, claim.margin, rng) for _ in range(TRIED)]
+    for end in ("free", "locked"):
+        rate = max(_rate(subject.spec, compensator(subject.spec, each), end) for each in tried)
+        what = f"{TRIED} controllers wrong by {float(claim.margin):.4g}, {end}; rate [/s]"
+        yield Finding(NAME, "inside", what, rate, None, rate < 0)
+    wrong = [Subject(subject.spec, compensator(subject.spec, each), {}) for each in tried]
+    built: dict[bool, list[tuple[Member, list[Loop]]]] = {}  # against a wall or not
+    for kind, level in LEVELS.items():
+        required = _required(subject, kind)
+        if required is None:
+            continue
+        if level.locked not in built:
+            joints = list(members(subject.spec))[:FEW]
+            built[level.locked] = [(one, [p for w in wrong for p in loops_of(w, level, one)]) for one in joints]
+        yield _met(subject, kind, level, required, built[level.locked])
+    yield from _outside(subject)
+
+
+def compensator(spec: Spec, coefficients: Polynomials) -> Compensator:
+    """C of coefficients of Q, `C = Q/(1−Q)`, or of C_imp."""
+    numerator, denominator = coefficients.numerator, coefficients.denominator
+    if spec.controller.type != "dob":
+        return numerator, denominator
+    size = max(len(numerator), len(denominator))
+    padded = [(Fraction(0),) * (size - len(part)) + part for part in (numerator, denominator)]
+    return numerator, tuple(b - a for a, b in zip(*padded, strict=True))
+
+
+def _wrong(coefficients: Polynomials, v: Fraction, rng: np.random.Generator) -> Polynomials:
+    def moved(part: tuple[Fraction, ...]) -> tuple[Fraction, ...]:
+        return tuple(c * (1 + v * int(sign)) for c, sign in zip(part, rng.choice([-1, 1], size=len(part)), strict=True))
+
+    return Polynomials(numerator=moved(coefficients.numerator), denominator=moved(coefficients.denominator))
+
+
+def _rate(spec: Spec, C: Compensator, end: str) -> float:
+    return (free(spec, C, nominal_load(spec)) if end == "free" else locked(spec, C)).rate
+
+
+def _required(subject: Subject, kind: tuple[str, str]) -> float | None:
+    """The level that the specification requires of a claim; None where it only reports."""
+    claim, asked = subject.proven(*kind), subject.spec.constraints
+    if claim is None or not claim.required:
+        return None
+    levels = {
+        "bandwidth": subject.spec.objective.attenuation,
+        "rendering": subject.spec.objective.rendering_error,
+        "peak": asked.peak,
+        "eq12": None if asked.eq12 is None else asked.eq12.margin,
+        "noise": None if asked.noise is None else asked.noise.gain,
+        "friction": Fraction(0),
+    }
+    level = None if claim.form == "paper" else levels[claim.id]
+    return None if level is None else float(level)
+
+
+def _met(
+    subject: Subject, kind: tuple[str, str], level: Level, required: float, joints: list[tuple[Member, list[Loop]]]
+) -> Finding:
+    """The worst of the wrong controllers, by frequency response; Δ is left to the controller as printed."""
+    claim = subject.claims[kind]
+    low, high = subject.band
+    low, high = max(float(claim.interval[0]), low), float(claim.interval[1] or high)
+    grid = np.geomspace(min(low, high / 100), high, POINTS)
+    worst = max(float(level.quantity(one.spec).of(loop, grid).max()) for one, loops in joints for loop in loops)
+    sign = -1 if level.quantity(subject.spec).resists else 1
+    what = f"{level.words}, worst of {TRIED} wrong controllers; required {required:.6g}"
+    return Finding(NAME, "inside", f"{' '.join(kind)}: {what}", sign * worst, None, worst <= sign * required + ROUNDING)
+
+
+def _outside(subject: Subject) -> Iterator[Finding]:
+    claim = subject.claims["tolerance", "coefficients"]
+    witness = witness_of(claim)
+    if witness is None or witness.controller is None or witness.claim is None or witness.omega is None:
+        return
+    required, level = _required(subject, witness.claim), LEVELS.get(witness.claim)
+    if required is None or level is None or claim.refuted_at is None:
+        return
+    member, C, load = subject.joints(claim)[0], compensator(subject.spec, witness.controller), load_of(witness)
+    loop = (
+        locked(member.spec, C)
+        if level.locked
+        else free(member.spec, C, nominal_load(member.spec) if load is None else load)
+    )
+    quantity, value = level.quantity(member.spec), float(claim.refuted_at.value)
+    seen = tones.measured(loop, quantity, float(witness.omega)).worse
+    sign = -1 if quantity.resists else 1
+    broken = seen > sign * required
+    what = f"witness's controller, {' '.join(witness.claim)} {sign * seen:.12g} where {required:.6g} is required"
+    margin = float(claim.margin or 0)
+    yield Finding(NAME, "outside", f"{what}; relative error", value if broken else None, margin, broken or None)
