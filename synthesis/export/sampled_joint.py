@@ -7,28 +7,24 @@ tends to s where ω → 0.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from math import pi
 from typing import Any
 
-import numpy as np
 from flint import fmpq, fmpq_poly
 
 from ...models.closed_loop import ImpedanceLoop, Pencil
 from ...models.controller import Compensator, Filters
 from ...models.impedance import DynamicStiffness
 from ...models.sampling import Hold
-from ..certificate.enclosure.cells import Cells, Part
-from ..certificate.enclosure.form import Form
+from ..certificate.enclosure.cells import Cells
 from ..certificate.enclosure.joint import JointOnCells
 from ..certificate.enclosure.prover import CellProver
 from ..certificate.enclosure.wave import Wave
 from ..certificate.witness import short
-from ..problem.constraints.eq12 import least_at_end
-from ..problem.constraints.inequality import WHOLE, Band, Constraint, Variable
+from ..problem.constraints.inequality import Band
 from ..problem.setting import LOAD, Setting
 from .law import Law
 from .motion import Motion
@@ -148,27 +144,14 @@ class SampledProver(CellProver):
         return band[0], end if band[1] is None else min(band[1], end)
 
     def axis(self, band: Band) -> tuple[Cells, ...]:
-        """Cells to begin with."""
-        cells = super().axis(self.clipped(band))
-        for one in cells:
-            self._joints.setdefault(id(one), (one, SampledJoint(self.family, one, self.law)))
-        return cells
+        """Cells to begin with: none reaches ω = ∞."""
+        return super().axis(self.clipped(band))
 
-    def joint(self, cells: Cells) -> JointOnCells:
-        """The joint on cells; remembered for those every proof begins with."""
-        known = self._joints.get(id(cells))
-        return SampledJoint(self.family, cells, self.law) if known is None else known[1]
+    def on(self, cells: Cells) -> SampledJoint:
+        """The joint with the shipped law, on any cells."""
+        return SampledJoint(self.family, cells, self.law)
 
-    def _ends(self, constraint: Constraint) -> Iterator[Form]:
-        """At ω = 0 alone: no claim reaches ω = ∞."""
-        low = next(cells for cells in self.axis(WHOLE) if cells.part is Part.LOW)
-        at = Cells(low.part, np.zeros((2, 1)), low.t[:, :, :1])
-        joint = SampledJoint(self.family, at, self.law)
-        loop, C, uncertainty = joint.setting.loop, joint.compensator, self.family.setting.uncertainty
-        reference = loop.free(loop.nominal)(C) if constraint.id == "friction" else loop.locked()(C)
-        own = (1 - joint.variables[Variable.Q_TILDE]) * loop.locked()(C) / reference
-        for load in uncertainty.corners():
-            A = (loop.free(load)(C) / reference).real
-            yield A
-            if uncertainty.disc:
-                yield least_at_end(A, (own * load.rational).real, joint.disc * joint.disc)
+    @property
+    def exact(self) -> bool:
+        """Never: z = e^{sT} is not rational in s."""
+        return False

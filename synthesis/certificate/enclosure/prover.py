@@ -53,14 +53,23 @@ class CellProver:
         """The joint on cells; remembered for those every proof begins with."""
         known = self._joints.get(id(cells))
         if known is None or known[0] is not cells:
-            known = (cells, JointOnCells(self.family, cells))
+            known = (cells, self.on(cells))
             if any(cells is one for axis in self._axes.values() for one in axis):
                 self._joints[id(cells)] = known
         return known[1]
 
+    def on(self, cells: Cells) -> JointOnCells:
+        """The joint on any cells."""
+        return JointOnCells(self.family, cells)
+
+    @property
+    def exact(self) -> bool:
+        """Whether nothing but the frequency varies: the constraints' own inequalities serve on every cell."""
+        return self.family.setting.polynomial and self.family.tolerance == 0
+
     def inequalities(self, constraint: Constraint, joint: JointOnCells) -> tuple[Inequality, ...]:
-        """A constraint's inequalities, on cells; where nothing but the frequency varies, its own are exact."""
-        if self.family.setting.polynomial and self.family.tolerance == 0:
+        """A constraint's inequalities, on cells."""
+        if self.exact:
             return constraint.inequalities
         same = (
             c for c in constraints(joint.setting, constraint.id) if (c.id, c.form) == (constraint.id, constraint.form)
@@ -152,7 +161,7 @@ class CellProver:
         return False
 
     def _ends(self, constraint: Constraint, at: Cells) -> Iterator[Form]:
-        joint = JointOnCells(self.family, at)
+        joint = self.on(at)
         loop, C, s, uncertainty = joint.setting.loop, joint.compensator, joint.s, self.family.setting.uncertainty
         unit = s.real_number(1) if at.part is Part.LOW else s * s
         reference = loop.free(loop.nominal)(C) if constraint.id == "friction" else loop.locked()(C) * unit
