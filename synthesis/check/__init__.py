@@ -14,6 +14,12 @@ class _Check(ModuleType):
     """The package is its own main function: `check(path)` is `check_file(path)`, and its submodules stay importable."""
 
     def __call__(self, path: str | Path, *, time_limit: float = 60.0) -> Verdict:
+        """Prove every claim of a certificate's file again, within a time [s].
+
+        >>> from robimp.synthesis import check
+        >>> check("certificate.json").exit_code
+        0
+        """
         return check_file(path, time_limit=time_limit)
 
 

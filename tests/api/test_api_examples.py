@@ -37,8 +37,7 @@ def failures(text: str, name: str) -> str:
 
 
 def test_every_function_has_an_example() -> None:
-    without = FUNCTIONS - set(WITH_EXAMPLE)
-    assert without <= {"check"}, "the checker's docstrings are its own"
+    assert set(WITH_EXAMPLE) >= FUNCTIONS
 
 
 @pytest.mark.parametrize("name", WITH_EXAMPLE)
