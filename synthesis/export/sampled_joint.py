@@ -159,8 +159,11 @@ class SampledProver(CellProver):
         known = self._joints.get(id(cells))
         return SampledJoint(self.family, cells, self.law) if known is None else known[1]
 
-    def _ends(self, constraint: Constraint) -> Iterator[Form]:
-        """At ω = 0 alone: no claim reaches ω = ∞."""
+    def ends(self, constraint: Constraint) -> bool:
+        """Whether `Z(0)` > 0 (friction: over its nominal value) for every load; no claim reaches ω = ∞."""
+        return all(float(form.lower[0]) > 0 and form.order == 0 for form in self._at_rest(constraint))
+
+    def _at_rest(self, constraint: Constraint) -> Iterator[Form]:
         low = next(cells for cells in self.axis(WHOLE) if cells.part is Part.LOW)
         at = Cells(low.part, np.zeros((2, 1)), low.t[:, :, :1])
         joint = SampledJoint(self.family, at, self.law)
