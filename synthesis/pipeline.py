@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import platform
 import time
 from collections.abc import Callable, Sequence
@@ -17,13 +16,14 @@ from ..models.sampling import Held
 from .agreement import Agreement, compare
 from .certificate.claim import Claim
 from .certificate.claims import Counterexample, certify, counterexamples
-from .certificate.document import document, robustly_stable, verdict
+from .certificate.document import document, encoded, robustly_stable, verdict
 from .certificate.outcome import Outcome
-from .check import Verdict, check_bytes
+from .check import Verdict
 from .errors import ExitCode, InputError, RefutedError, RobimpError, UndecidedError
 from .interruption import demand_none, demanding
 from .problem.grid import frequency_scale
 from .problem.setting import Setting
+from .recheck import VERDICT_CODE, recheck
 from .report.cards import result_card
 from .report.terminal import decimal
 from .simulation import SampledComparison, Trials, sampled_comparison, verify
@@ -37,11 +37,6 @@ Progress = Callable[[str], None]
 
 FLOAT_DECADES = 1e9  # ratio of frequencies beyond which poles in floating point mean little
 SMALLEST, LARGEST = Fraction(1, 2**126), (2 - Fraction(1, 2**23)) * 2**127  # normal numbers of single precision
-VERDICT_CODE = {
-    Outcome.PROVEN: ExitCode.PROVEN,
-    Outcome.REFUTED: ExitCode.REFUTED,
-    Outcome.UNDECIDED: ExitCode.UNDECIDED,
-}
 
 
 @dataclass(frozen=True)
@@ -99,7 +94,7 @@ class Result:
 
     def certificate_bytes(self) -> bytes:
         """The certificate file's content, as it was checked."""
-        return _bytes(self.certificate)
+        return encoded(self.certificate)
 
 
 def synthesize(
@@ -133,9 +128,10 @@ def synthesize(
     progress("proving every claim on the whole axis")
     claims = certify(setting, C)
     bound = None if limit is None or not limit.limited else Fraction(f"{limit.omega_B:.6g}")
-    certificate = document(setting, coefficients, claims, bound=bound, producer=_producer())
     progress("re-checking the certificate independently")
-    checked = _recheck(certificate, claims)
+    claims, certificate, checked = recheck(
+        setting, claims, lambda c: document(setting, coefficients, c, bound=bound, producer=_producer())
+    )
     progress("simulating the physics")
     compensator = (certificate["controller"]["C"]["numerator"], certificate["controller"]["C"]["denominator"])
     numbers = tuple(tuple(Fraction(c) for c in part) for part in compensator)
@@ -276,21 +272,6 @@ def _refuting(setting: Setting, C: Compensator, omega_B: float) -> tuple[Counter
         return found
     short = (c.id for c in certify(setting, C) if c.required and c.status is not Outcome.PROVEN)
     return tuple(Counterexample(id, inf, False) for id in short)
-
-
-def _bytes(certificate: dict[str, Any]) -> bytes:
-    return (json.dumps(certificate, indent=1, ensure_ascii=False) + "\n").encode()
-
-
-def _recheck(certificate: dict[str, Any], claims: tuple[Claim, ...]) -> Verdict:
-    """Compare with the independent checker: its verdict, and claim by claim what it could not confirm."""
-    outcome, second = verdict(claims), check_bytes(_bytes(certificate))
-    short = {(c.id, c.form) for c in claims if c.required and c.status is not Outcome.PROVEN}
-    doubted = {(id, form) for id, form, status, _ in second.claims if status == "not verified"}
-    if second.exit_code != VERDICT_CODE[outcome] or doubted != short:
-        said = next((text for id, form, _, text in second.claims if (id, form) in doubted - short), second.message)
-        raise RobimpError(f"prover says {outcome.value}, the independent checker says: {said}")
-    return second
 
 
 def _producer() -> dict[str, str]:

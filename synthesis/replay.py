@@ -15,7 +15,8 @@ from .check import Verdict
 from .errors import InputError, MismatchError
 from .interruption import demanding
 from .notebook import card
-from .pipeline import VERDICT_CODE, realizable, setting_of
+from .pipeline import realizable, setting_of
+from .recheck import VERDICT_CODE
 from .simulation import Trials, verify
 from .spec import from_canonical
 from .spec.model import Polynomials

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 from command_line import refused, robimp
 
-from robimp.synthesis import pipeline
+from robimp.synthesis import pipeline, recheck
 from robimp.synthesis.check import Verdict, canonical_json
 from robimp.synthesis.errors import ExitCode
 
@@ -550,11 +550,17 @@ def test_out_of_time_is_undecided_and_writes_nothing(empty: Path, monkeypatch: p
     assert not empty.exists()
 
 
-@pytest.mark.parametrize("code", [2, 4, 5, 6])
+@pytest.mark.parametrize("code", [2, 4, 6])
 def test_a_checker_that_disagrees_stops_everything(code: int, empty: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pipeline, "check_bytes", lambda data: Verdict(code, "eq9 printed: no"))
+    monkeypatch.setattr(recheck, "check_bytes", lambda *_, **__: Verdict(code, "eq9 printed: no"))
     line = refused(ExitCode.INTERNAL, "synth", PAPER, "-o", empty)
     assert "prover says proven" in line and "eq9 printed: no" in line
+    assert not empty.exists()
+
+
+def test_a_checker_that_cannot_decide_leaves_it_undecided(empty: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recheck, "check_bytes", lambda *_, **__: Verdict(5, "out of time"))
+    assert "cannot confirm it: out of time" in refused(ExitCode.UNDECIDED, "synth", PAPER, "-o", empty)
     assert not empty.exists()
 
 

@@ -32,7 +32,7 @@ def swallowing(genuine):
 """
 STUBS = {
     "certify": "from robimp.synthesis import pipeline as home",
-    "check_bytes": "from robimp.synthesis import pipeline as home",
+    "check_bytes": "from robimp.synthesis import recheck as home",
     "verify": "from robimp.synthesis import pipeline as home",
     "sampled_comparison": "from robimp.synthesis import pipeline as home",
     "fsync": "import os as home",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
 from hashlib import sha256
 from typing import Any
@@ -60,6 +61,11 @@ def document(
     }
     digest = sha256(canonical_json(body)).hexdigest()
     return {**body, "end": {"claims": len(claims), "body_sha256": digest}}
+
+
+def encoded(certificate: dict[str, Any]) -> bytes:
+    """The file of a certificate."""
+    return (json.dumps(certificate, indent=1, ensure_ascii=False) + "\n").encode()
 
 
 def _controller(setting: Setting, coefficients: Polynomials) -> dict[str, Any]:

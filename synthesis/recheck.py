@@ -1,0 +1,73 @@
+"""The independent checker's word on a certificate: what it cannot confirm is claimed nearer to what is required."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+from .certificate.claim import Claim
+from .certificate.document import encoded, verdict
+from .certificate.outcome import Outcome
+from .certificate.witness import short
+from .check import Verdict, check_bytes
+from .errors import ExitCode, RobimpError, UndecidedError
+from .problem.constraints import constraints
+from .problem.constraints.inequality import Role
+from .problem.setting import Setting
+
+UNSURE = "proven, but the independent checker cannot confirm it: "
+ROUNDS, SECONDS = 6, 30.0  # of concessions, and for one check [s]
+VERDICT_CODE = {
+    Outcome.PROVEN: ExitCode.PROVEN,
+    Outcome.REFUTED: ExitCode.REFUTED,
+    Outcome.UNDECIDED: ExitCode.UNDECIDED,
+}
+Written = dict[str, Any]
+
+
+def recheck(
+    setting: Setting, claims: tuple[Claim, ...], write: Callable[[tuple[Claim, ...]], Written]
+) -> tuple[tuple[Claim, ...], Written, Verdict]:
+    """Compare prover and checker claim by claim; where the checker is unsure of a margin, concede half of it.
+
+    Returns: the claims both confirm, their certificate, the checker's verdict. Raises: RobimpError when the two
+    contradict each other, UndecidedError when the checker cannot decide what is required.
+    """
+    said = ""
+    for _ in range(ROUNDS):
+        certificate = write(claims)
+        second = check_bytes(encoded(certificate), time_limit=SECONDS)
+        outcome = verdict(claims)
+        short_of = {(c.id, c.form) for c in claims if c.required and c.status is not Outcome.PROVEN}
+        unsure = {(id, form): text for id, form, status, text in second.claims if status == "not verified"}
+        more = {kind: text for kind, text in unsure.items() if kind not in short_of}
+        if second.exit_code == VERDICT_CODE[outcome] and unsure.keys() == short_of:
+            return claims, certificate, second
+        said = next(iter(more.values()), second.message)
+        if second.exit_code != ExitCode.UNDECIDED:
+            raise RobimpError(f"prover says {outcome.value}, the independent checker says: {said}")
+        if not more:
+            break
+        kind = next(iter(more))  # one at a time: out of time, it says so of all that follow
+        claims = tuple(conceded(setting, c, said) if (c.id, c.form) == kind else c for c in claims)
+    raise UndecidedError(UNSURE + said)
+
+
+def conceded(setting: Setting, claim: Claim, said: str) -> Claim:
+    """The same claim halfway to the level that is required; what only is reported becomes undecided at last."""
+    found = [c for c in constraints(setting, claim.id) if (c.id, c.form) == (claim.id, claim.form)]
+    role = found[0].role if found else Role.RADIUS  # a box is stretched as a radius is
+    least = Fraction(0) if role is Role.FLOOR else Fraction(1)
+    required = found[0].level if found and found[0].level is not None else least
+    level = required if claim.required or role is not Role.CEILING else None
+    conceivable = found or claim.form == "box"
+    if not conceivable or claim.margin is None or claim.margin == level:
+        if claim.required or not conceivable:
+            raise UndecidedError(UNSURE + said)
+        return replace(claim, status=Outcome.UNDECIDED, margin=None, refuted_at=None)
+    halfway = claim.margin * Fraction(11, 10) if level is None else (claim.margin + level) / 2
+    margin = short(float(halfway), up=role is Role.CEILING)
+    near = level is not None and abs(claim.margin - level) <= Fraction(1, 100) * max(level, Fraction(1, 10**9))
+    return replace(claim, margin=level if near else margin)
