@@ -438,7 +438,7 @@ def test_help_goes_to_standard_output(arguments: tuple[str, ...]) -> None:
 # Interruption
 
 
-@pytest.mark.parametrize("station", ["synthesize", "certify", "check_bytes", "verify"])
+@pytest.mark.parametrize("station", ["synthesize", "certify", "recheck", "verify"])
 def test_ctrl_c_leaves_no_traceback_and_no_file(station: str, empty: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def pressed(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
