@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[str], None]
 
+RECHECKING = 600.0  # seconds the checker may take here: whoever wanted the search will wait for its proof
 FLOAT_DECADES = 1e9  # ratio of frequencies beyond which poles in floating point mean little
 SMALLEST, LARGEST = Fraction(1, 2**126), (2 - Fraction(1, 2**23)) * 2**127  # normal numbers of single precision
 VERDICT_CODE = {
@@ -262,7 +263,7 @@ def _bytes(certificate: dict[str, Any]) -> bytes:
 
 def _recheck(certificate: dict[str, Any], claims: tuple[Claim, ...]) -> Verdict:
     """Compare with the independent checker: its verdict, and claim by claim what it could not confirm."""
-    outcome, second = verdict(claims), check_bytes(_bytes(certificate))
+    outcome, second = verdict(claims), check_bytes(_bytes(certificate), time_limit=RECHECKING)
     short = {(c.id, c.form) for c in claims if c.required and c.status is not Outcome.PROVEN}
     doubted = {(id, form) for id, form, status, _ in second.claims if status == "not verified"}
     if second.exit_code != VERDICT_CODE[outcome] or doubted != short:

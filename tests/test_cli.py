@@ -552,7 +552,7 @@ def test_out_of_time_is_undecided_and_writes_nothing(empty: Path, monkeypatch: p
 
 @pytest.mark.parametrize("code", [2, 4, 5, 6])
 def test_a_checker_that_disagrees_stops_everything(code: int, empty: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pipeline, "check_bytes", lambda data: Verdict(code, "eq9 printed: no"))
+    monkeypatch.setattr(pipeline, "check_bytes", lambda data, **_: Verdict(code, "eq9 printed: no"))
     line = refused(ExitCode.INTERNAL, "synth", PAPER, "-o", empty)
     assert "prover says proven" in line and "eq9 printed: no" in line
     assert not empty.exists()
