@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from robimp.synthesis import synthesize
 from robimp.synthesis.problem.constraints import constraints
-from robimp.synthesis.problem.grid import grid
+from robimp.synthesis.problem.grid import frequency_scale, grid
 from robimp.synthesis.problem.setting import Setting
+from robimp.synthesis.solve.band import BandProgram
 from robimp.synthesis.solve.basis import Basis
-from robimp.synthesis.solve.bound import _Program
+from robimp.synthesis.solve.cone import Failure
 from robimp.synthesis.solve.nlp import Program
 from robimp.synthesis.solve.places import Grids
 from robimp.synthesis.solve.structure import QFilter
@@ -24,6 +26,13 @@ if TYPE_CHECKING:
 
 SPEC = (Path(__file__).parents[1] / "examples" / "haninger2016.yaml").read_text(encoding="utf-8")
 AROUND, TERMS = 50.0, 60
+STATIONS = {
+    "bound": "bound",
+    "searching": "search",
+    "proving": "proof",
+    "re-checking": "checker",
+    "simulating": "simulation",
+}  # by the first word of what is said on the way
 POINTS = (100, 200, 400, 800, 1600, 3200)
 PLAIN_POINTS = 1600
 BOX = {  # corners: what is exact, what is a range
@@ -59,12 +68,17 @@ def frequencies(joint: Setting, points: int) -> NDArray[np.float64]:
     return grid(joint, around=AROUND, spread=points // 3, dense=points - points // 3)
 
 
+def basis_of(joint: Setting) -> Basis:
+    """The basis both ways to the bound use."""
+    return Basis(AROUND, TERMS, 2, frequency_scale(joint)[1])
+
+
 def bound_seconds(points: int) -> tuple[float, float]:
     """Seconds for the bound on so many points, and its ω_B [rad/s]."""
     joint = setting()
     began = time.perf_counter()
-    found = _Program(joint, frequencies(joint, points), Basis(AROUND, TERMS, 2)).largest_band(AROUND)
-    return time.perf_counter() - began, found or 0.0
+    found = BandProgram(joint, frequencies(joint, points), basis_of(joint)).largest_band(AROUND)
+    return time.perf_counter() - began, np.nan if isinstance(found, Failure) else found
 
 
 def plain_seconds(points: int) -> tuple[float, float]:
@@ -73,7 +87,7 @@ def plain_seconds(points: int) -> tuple[float, float]:
 
     joint = setting()
     omega = frequencies(joint, points)
-    basis = joint.loop.actuator.H.at(omega)[:, None] * Basis(AROUND, TERMS, 2).at(omega)
+    basis = joint.loop.actuator.H.at(omega)[:, None] * basis_of(joint).at(omega)
     _, triangle = np.linalg.qr(np.vstack([basis.real, basis.imag]) / np.sqrt(omega.size))
     basis = basis @ np.linalg.inv(triangle)
     passive = next(c for c in constraints(joint) if c.id == "eq12").inequalities
@@ -109,6 +123,30 @@ def search_seconds(corners: int) -> float:
     return (time.perf_counter() - began) / max(1, program.solver(False).stats()["iter_count"])
 
 
+def synth_seconds(corners: int, order: int = 2) -> dict[str, float]:
+    """Processor seconds of a whole synthesis, by station; a range of impedances or motors is proven on cells."""
+    text = SPEC.replace("order: 4", f"order: {order}")
+    for old, new in BOX[corners].items():
+        text = text.replace(old, new, 1)
+    spent, began, station = dict.fromkeys(STATIONS.values(), 0.0), time.process_time(), "search"
+
+    def progress(said: str) -> None:
+        nonlocal began, station
+        now = time.process_time()
+        spent[station] += now - began
+        began, station = now, STATIONS.get(said.split()[0].rstrip(":"), station)
+
+    synthesize(parse_spec(text), progress)
+    progress("simulating")
+    return spent
+
+
+def growing(of: dict[int, dict[str, float]]) -> str:
+    """By how much more than in proportion the whole grows between the joints that are proven in the same way."""
+    first, last = 8, max(of)
+    return f"{sum(of[last].values()) / sum(of[first].values()) / (last / first):.2f}"
+
+
 def report() -> str:
     """Everything as lines to print."""
     lines = [f"bound, {TERMS} terms, against points of the grid:"]
@@ -126,6 +164,12 @@ def report() -> str:
     steps = {corners: search_seconds(corners) for corners in BOX}
     lines += [f"{corners:>7} corners {1e3 * s:>7.2f} ms" for corners, s in steps.items()]
     lines.append(f"growth over proportional: {steps[64] / steps[2] / 32:.2f} (1 is linear)")
+    lines.append("whole synthesis, order 2, processor seconds, against corners of the box (from 8 on proven on cells):")
+    whole = {corners: synth_seconds(corners) for corners in BOX}
+    for corners, spent in whole.items():
+        parts = ", ".join(f"{station} {s:.1f}" for station, s in spent.items())
+        lines.append(f"{corners:>7} corners {sum(spent.values()):>7.1f} s: {parts}")
+    lines.append(f"growth over proportional, 8 to 64: {growing(whole)} (1 is linear)")
     return "\n".join(lines)
 
 

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from .solve.bound import Bound
 
 Progress = Callable[[str], None]
+Proofs = dict[Polynomials, tuple[Claim, ...]]  # claims about controllers that the search has had certified
 
 FLOAT_DECADES = 1e9  # ratio of frequencies beyond which poles in floating point mean little
 SMALLEST, LARGEST = Fraction(1, 2**126), (2 - Fraction(1, 2**23)) * 2**127  # normal numbers of single precision
@@ -118,15 +119,15 @@ def synthesize(
     began = time.monotonic()
     progress = demanding(progress)
     setting = setting_of(spec)
+    proofs: Proofs = {}
     if spec.controller.coefficients is None:
-        coefficients, limit = _search(
-            setting, progress, None if time_limit is None else began + time_limit, starts, shared, seed
-        )
+        deadline = None if time_limit is None else began + time_limit
+        coefficients, limit = _search(setting, progress, deadline, starts, shared, seed, proofs)
     else:
         coefficients, limit = spec.controller.coefficients, None
     C = realizable(setting, coefficients)
     progress("proving every claim on the whole axis")
-    claims = certify(setting, C)
+    claims = proofs.get(coefficients) or certify(setting, C)
     bound = None if limit is None or not limit.limited else Fraction(f"{limit.omega_B:.6g}")
     progress("re-checking the certificate independently")
     claims, certificate, checked = recheck(
@@ -223,6 +224,7 @@ def _search(
     starts: Sequence[tuple[Polynomials, float]],
     shared: Shared | None,
     seed: int,
+    proofs: Proofs,
 ) -> tuple[Polynomials, Bound | None]:
     from .solve.bound import bound
     from .solve.infeasible import impossible
@@ -242,7 +244,7 @@ def _search(
     expected = limit.omega_B if limit is not None else max((w for _, w in starts), default=(low * high) ** 0.5)
     search = Search(
         setting,
-        lambda c, omega_B: _refuting(setting, setting.compensator(c), omega_B),
+        lambda c, omega_B: _refuting(setting, c, omega_B, proofs),
         expected,
         progress,
         ideal=None if limit is None else limit.response,
@@ -265,12 +267,14 @@ def _search(
     return found.candidate.coefficients, limit
 
 
-def _refuting(setting: Setting, C: Compensator, omega_B: float) -> tuple[Counterexample, ...]:
+def _refuting(setting: Setting, c: Polynomials, omega_B: float, proofs: Proofs) -> tuple[Counterexample, ...]:
     """Where the required claims fail; on cells a margin is harder to prove than the level, so all claims are asked."""
+    C = setting.compensator(c)
     found = counterexamples(setting, C, omega_B)
     if found or setting.polynomial:
         return found
-    short = (c.id for c in certify(setting, C) if c.required and c.status is not Outcome.PROVEN)
+    proofs[c] = certify(setting, C)
+    short = (claim.id for claim in proofs[c] if claim.required and claim.status is not Outcome.PROVEN)
     return tuple(Counterexample(id, inf, False) for id in short)
 
 

@@ -18,7 +18,8 @@ from .problem.constraints.inequality import Role
 from .problem.setting import Setting
 
 UNSURE = "proven, but the independent checker cannot confirm it: "
-ROUNDS, SECONDS = 6, 30.0  # of concessions, and for one check [s]
+ROUNDS = 12
+SECONDS, PATIENCE = 60.0, 600.0  # for a check [s]; in the end: whoever waited for the search will wait for its proof
 VERDICT_CODE = {
     Outcome.PROVEN: ExitCode.PROVEN,
     Outcome.REFUTED: ExitCode.REFUTED,
@@ -35,10 +36,10 @@ def recheck(
     Returns: the claims both confirm, their certificate, the checker's verdict. Raises: RobimpError when the two
     contradict each other, UndecidedError when the checker cannot decide what is required.
     """
-    said = ""
+    said, seconds = "", SECONDS
     for _ in range(ROUNDS):
         certificate = write(claims)
-        second = check_bytes(encoded(certificate), time_limit=SECONDS)
+        second = check_bytes(encoded(certificate), time_limit=seconds)
         outcome = verdict(claims)
         short_of = {(c.id, c.form) for c in claims if c.required and c.status is not Outcome.PROVEN}
         unsure = {(id, form): text for id, form, status, text in second.claims if status == "not verified"}
@@ -51,12 +52,18 @@ def recheck(
         if not more:
             break
         kind = next(iter(more))  # one at a time: out of time, it says so of all that follow
-        claims = tuple(conceded(setting, c, said) if (c.id, c.form) == kind else c for c in claims)
+        weaker = {kind: conceded(setting, c) for c in claims if (c.id, c.form) == kind}
+        if weaker[kind] is not None:
+            claims = tuple(weaker.get((c.id, c.form)) or c for c in claims)
+        elif seconds == PATIENCE:
+            break
+        else:
+            seconds = PATIENCE
     raise UndecidedError(UNSURE + said)
 
 
-def conceded(setting: Setting, claim: Claim, said: str) -> Claim:
-    """The same claim halfway to the level that is required; what only is reported becomes undecided at last."""
+def conceded(setting: Setting, claim: Claim) -> Claim | None:
+    """The same claim halfway to the level that is required: what only is reported becomes undecided, else None."""
     found = [c for c in constraints(setting, claim.id) if (c.id, c.form) == (claim.id, claim.form)]
     role = found[0].role if found else Role.RADIUS  # a box is stretched as a radius is
     least = Fraction(0) if role is Role.FLOOR else Fraction(1)
@@ -65,7 +72,7 @@ def conceded(setting: Setting, claim: Claim, said: str) -> Claim:
     conceivable = found or claim.form == "box"
     if not conceivable or claim.margin is None or claim.margin == level:
         if claim.required or not conceivable:
-            raise UndecidedError(UNSURE + said)
+            return None
         return replace(claim, status=Outcome.UNDECIDED, margin=None, refuted_at=None)
     halfway = claim.margin * Fraction(11, 10) if level is None else (claim.margin + level) / 2
     margin = short(float(halfway), up=role is Role.CEILING)

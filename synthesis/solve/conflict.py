@@ -47,7 +47,7 @@ def _clash(setting: Setting) -> Impossible | tuple[list[Group], NDArray[np.float
     """Constraints and the frequencies at which they leave no X, or what fails at ω → ∞."""
     low, high = frequency_scale(setting)
     omega = np.geomspace(low / 30, high * 30, POINTS)
-    groups = _groups(setting)
+    groups = groups_of(setting)
     off_band = [group for group in groups if not group[0].constraint.on_band]
     for chosen, where in ((groups, omega[:1]), (off_band, omega)):
         empty = where[_search(setting, where, chosen) == NONE]
@@ -56,7 +56,7 @@ def _clash(setting: Setting) -> Impossible | tuple[list[Group], NDArray[np.float
     return _at_infinity(setting, off_band, high * BEYOND)
 
 
-def _groups(setting: Setting) -> list[Group]:
+def groups_of(setting: Setting) -> list[Group]:
     """Required constraints, each for every vertex of the ranges."""
     found: dict[tuple[str, str], list[Demand]] = {}
     for vertex in setting.vertices():

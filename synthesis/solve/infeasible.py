@@ -1,7 +1,8 @@
 """Why nothing can work: what no complex number X satisfies at some frequency, however it is chosen, and what to relax.
 
-Said only with a reason that needs no solver's word: a closed form (`alone`), or a search of the whole plane of X that
-leaves nothing (`conflict`). Frequencies are those of a grid; one that is named is a proof that no controller exists.
+Said only with a reason that needs no solver's word: a closed form (`alone`), a search of the whole plane of X that
+leaves nothing (`conflict`), or of all gains where the controller is one (`gain`). Frequencies are those of a grid; one
+that is named is a proof that no controller exists.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from ..problem.setting import Setting
 from ..spec.model import Spec
 from .alone import alone
 from .conflict import conflict, conflicting
+from .gain import excluded
 from .reason import Impossible
 from .relaxation import droppable, smallest_relaxation
 
@@ -21,7 +23,9 @@ RELAXED = "the smallest single change that removes it: "
 def impossible(setting: Setting) -> Impossible | None:
     """Why no controller can exist, with the relaxation that helps most; None where this test finds no reason."""
     reason = first_reason(setting)
-    if reason is None or reason.what == "stability-free":
+    if reason is None:
+        return excluded(setting)
+    if reason.what == "stability-free":
         return reason
     smallest = smallest_relaxation(setting.spec, _possible)
     if smallest is not None:

@@ -137,16 +137,20 @@ class Plane:
         found[k[met]] = EXISTS
         return np.asarray(open_ & (found[k] != EXISTS))
 
-    def _slack(self, demand: Demand, inequality: Inequality, k: NDArray[np.int_], X: Disc) -> tuple[Disc, Any]:
-        """Right minus left side, and the size of both; met wherever the constraint does not apply."""
-        at = self.at
-        H, H_v = self.H[k], at(demand.vertex.loop.actuator.H)[k]
-        variable = {
+    def _variable(self, variable: Variable, H_v: Any, k: NDArray[np.int_], X: Disc) -> Disc:
+        """What an inequality speaks of, from X; H_v: of the vertex, at the frequencies k."""
+        H = self.H[k]
+        return {
             Variable.Q: lambda: X.moebius(1.0, 1 - H, H),
             Variable.Q_TILDE: lambda: X.moebius(H_v, H_v - H, H),
             Variable.L: lambda: X.moebius(H_v, -H, H),
             Variable.COMMAND: lambda: X.moebius(1.0, H_v - H, H),
-        }[inequality.variable]()
+        }[variable]()
+
+    def _slack(self, demand: Demand, inequality: Inequality, k: NDArray[np.int_], X: Disc) -> tuple[Disc, Any]:
+        """Right minus left side, and the size of both; met wherever the constraint does not apply."""
+        at = self.at
+        variable = self._variable(inequality.variable, at(demand.vertex.loop.actuator.H)[k], k, X)
         level = np.broadcast_to(demand.level, self.omega.shape)[k]
         with np.errstate(all="ignore"):
             left, right = inequality.sides(level, self.radius(inequality.source)[k], variable, lambda r: at(r)[k])

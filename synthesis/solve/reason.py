@@ -14,17 +14,18 @@ PLAIN = {"bandwidth": "attenuation", "rendering": "rendering error"}
 
 @dataclass(frozen=True)
 class Impossible:
-    """Requirements that no X meets at ω: which, where [rad/s], why, and what to do instead."""
+    """Requirements that no X meets at ω: which, where [rad/s], why, and what to do instead. whose: of which family."""
 
     what: str
     omega: float
     why: str
     remedy: str
+    whose: str = "any controller"
 
     def __str__(self) -> str:
         place = {0.0: "ω → 0", np.inf: "ω → ∞"}.get(self.omega, f"ω = {self.omega:.4g} rad/s")
         together = " together" if " and " in self.what else ""
-        return f"{self.what} cannot hold{together} at {place} for any controller: {self.why}; {self.remedy}"
+        return f"{self.what} cannot hold{together} at {place} for {self.whose}: {self.why}; {self.remedy}"
 
     def error(self) -> InfeasibleError:
         """The error to raise for it."""

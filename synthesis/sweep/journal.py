@@ -39,6 +39,7 @@ class Journal:
         self.path, self.plane = folder / NAME, plane
         header = {"robimp_map": 1, "robimp": version("robimp"), "options": options, **plane.to_json()}
         demand_writable(folder)
+        self.new_folder = not folder.exists()
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self.file: BinaryIO = self.path.open("a+b")
@@ -55,6 +56,11 @@ class Journal:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        if not self.finished:  # nothing to keep: as if the map had not been begun
+            with suppress(OSError):
+                self.path.unlink()
+                if self.new_folder:
+                    self.path.parent.rmdir()
         self.file.close()
 
     def add(self, cell: Cell) -> None:

@@ -17,7 +17,7 @@ from robimp.synthesis.problem.constraints.inequality import Variable
 from robimp.synthesis.problem.grid import frequency_scale
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.solve.alone import alone
-from robimp.synthesis.solve.conflict import _best, _groups, conflicting
+from robimp.synthesis.solve.conflict import _best, conflicting, groups_of
 from robimp.synthesis.solve.infeasible import RELAXED, impossible
 from robimp.synthesis.solve.plane import EXISTS, NONE, Demand, Disc, Plane
 from robimp.synthesis.solve.relaxation import _with, shrunk, smallest_relaxation
@@ -101,7 +101,7 @@ def passivity_left(joint: Setting, omega: float, gain: float) -> float:
 @pytest.mark.parametrize("gain", [0.1, 0.3, 0.6])
 def test_the_best_level_is_that_of_a_convex_program(gain: float) -> None:
     joint = setting(f"{{eq12: {{form: structured}}, noise: {{gain: {gain}}}}}", impedance=DAMPED)
-    passive, _, noise = _groups(joint)
+    passive, _, noise = groups_of(joint)
     assert (passive[0].constraint.id, noise[0].constraint.id) == ("eq12", "noise")
     omega = np.array([10.0, 25.0, 40.0, 70.0])
     expected = np.array([passivity_left(joint, w, gain) for w in omega])
@@ -148,6 +148,19 @@ CASES = [
         },
         ("attenuation and noise",),
     ),
+    (
+        "sampling",
+        {"constraints_": f"{{{REFERENCE}, noise: {{gain: 0.2}}}}", "sampling": "{rate: 100 Hz, delay: 10 ms}"},
+        ATTENUATION_NOISE,
+    ),
+    (
+        "table",
+        {
+            "constraints_": "{peak: 2, noise: {gain: 0.2}, eq12: {form: structured, band: [0, 20]}}",
+            "uncertainty": f"{{box: {BOX}, table: {{points: [[1, 0.05], [30, 0.3]], beyond: hold}}}}",
+        },
+        ("attenuation and noise",),
+    ),
     ("limit", {"constraints_": "{eq12: {form: structured, margin: 0.15}}"}, ("(12) structured", "ω → ∞")),
 ]
 
@@ -187,6 +200,28 @@ def test_one_constraint_alone_is_named_alone() -> None:
     assert impossible(joint) is None
     found = impossible(setting("{eq12: {form: structured, margin: 0.15}}"))
     assert found is not None and " and " not in found.what
+
+
+TABLE = "{{box: {box}, table: {{points: [[1, 0.1], [30, {bound}]], beyond: hold}}}}"
+
+
+@pytest.mark.parametrize("sampling", [None, "{rate: 1 kHz, delay: 1 ms}"])
+def test_a_table_contradicts_passivity_where_it_says_so_and_nowhere_else(sampling: str | None) -> None:
+    """Beyond the actuator X = 0, and Re(Z/jω) ≥ 0 for every load with a disc of 20 % on top cannot hold as ω → ∞."""
+    for bound, band, contradicts in (
+        ("0.2", "", True),
+        ("0.2", ", band: [0, 20]", False),
+        ("1.5", ", band: [0, 25]", True),  # the table reaches W = 1 at 20.3 rad/s
+        ("1.5", ", band: [0, 15]", False),
+    ):
+        joint = setting(
+            f"{{eq12: {{form: structured{band}}}}}",
+            uncertainty=TABLE.format(box=BOX, bound=bound),
+            sampling=sampling if band else None,  # with a hold nothing is said about ω → ∞
+        )
+        found = impossible(joint)
+        assert (found is not None) is contradicts, (bound, band, found)
+        assert found is None or "(12) structured" in str(found)
 
 
 def test_what_no_number_mends_is_to_be_dropped() -> None:

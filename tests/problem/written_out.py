@@ -38,6 +38,7 @@ def setting(
     impedance: str = "{inertia: nominal, damping: 0.35, stiffness: 1.25}",
     controller: str = "{type: dob, order: 4}",
     objective: str = "{maximize: bandwidth, attenuation: 0.3}",
+    sampling: str | None = None,
 ) -> Setting:
     """The reference joint with what a test changes."""
     sections = {
@@ -52,6 +53,7 @@ def setting(
         "objective": objective,
         "constraints": constraints_,
     }
+    sections |= {} if sampling is None else {"sampling": sampling}
     return Setting.of(parse_spec("\n".join(f"{key}: {value}" for key, value in sections.items())))
 
 

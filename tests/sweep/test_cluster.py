@@ -54,6 +54,16 @@ def test_a_worker_of_the_cluster_that_is_killed_costs_nothing(cluster: Any, smal
     assert len(statuses(tmp_path / "map")) == 4
 
 
+def test_a_dead_address_leaves_nothing_behind_and_harms_nothing(small: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no scheduler answers"):
+        map_plane(small, AXES, tmp_path / "map", dask="tcp://127.0.0.1:9")
+    assert not (tmp_path / "map").exists(), "no journal, no folder"
+    map_plane(small, AXES, tmp_path / "map", processes=1)
+    kept = (tmp_path / "map" / "map.journal").read_bytes()
+    map_plane(small, AXES, tmp_path / "map", dask="tcp://127.0.0.1:9")  # all is done: no cluster is needed
+    assert (tmp_path / "map" / "map.journal").read_bytes() == kept
+
+
 def test_workers_with_threads_are_refused(small: Path, tmp_path: Path) -> None:
     with (
         distributed.LocalCluster(

@@ -1,0 +1,64 @@
+"""`robimp synth`: the seed reaches the search, and the checker's verdict the report."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from robimp.synthesis.errors import ExitCode
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from command_line import refused, robimp
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+bound, search, study = (
+    import_module(f"robimp.synthesis.{m}") for m in ("solve.bound", "solve.search", "report.html.study")
+)
+
+
+@pytest.mark.parametrize(("option", "seed"), [((), 0), (("--seed", "7"), 7)])
+def test_the_seed_reaches_the_search(
+    option: tuple[str, ...], seed: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen = []
+    monkeypatch.setattr(bound, "bound", lambda *a, **k: None)
+    monkeypatch.setattr(search.Search, "run", lambda self: seen.append(self.seed))
+    refused(ExitCode.UNDECIDED, "synth", EXAMPLES / "haninger2016-eq23.yaml", "-o", tmp_path, *option)
+    assert seen == [seed]
+
+
+@pytest.mark.parametrize("seed", ["-1", "one", "1.5"])
+def test_a_seed_is_a_number(seed: str, tmp_path: Path) -> None:
+    assert robimp("synth", EXAMPLES / "haninger2016-eq23.yaml", "-o", tmp_path, "--seed", seed).code == ExitCode.INPUT
+
+
+def test_a_bound_the_solver_fails_at_does_not_stop_the_search(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+    monkeypatch.setattr(bound.BandProgram, "largest_band", lambda *a, **k: bound.Failure.UNSOLVED)
+    monkeypatch.setattr(search.Search, "run", lambda self: asked.append(self.ideal))
+    refused(ExitCode.UNDECIDED, "synth", EXAMPLES / "haninger2016-eq23.yaml", "-o", tmp_path)
+    assert asked == [None], "it begins without the bound's response"
+    line = refused(ExitCode.UNDECIDED, "bound", EXAMPLES / "haninger2016-eq23.yaml")
+    assert "no bound" in line and "vouches" in line
+
+
+def test_the_report_is_about_the_bytes_that_were_checked_and_they_are_checked_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pipeline, checked = import_module("robimp.synthesis.pipeline"), []
+    genuine = pipeline.check_bytes
+
+    def check_bytes(data: bytes, **limits: Any) -> Any:
+        checked.append(data)
+        return genuine(data, **limits)
+
+    monkeypatch.setattr(pipeline, "check_bytes", check_bytes)
+    monkeypatch.setattr(study, "check_bytes", check_bytes)
+    assert robimp("synth", EXAMPLES / "haninger2016-paper.yaml", "-o", tmp_path).code == ExitCode.PROVEN
+    assert checked == [(tmp_path / "certificate.json").read_bytes()]
+    assert robimp("report", tmp_path / "certificate.json").code == ExitCode.PROVEN
+    assert len(checked) == 2, "a report by itself trusts nobody"
