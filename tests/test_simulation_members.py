@@ -25,6 +25,7 @@ from robimp.synthesis.simulation import (
     simulate,
     verify,
 )
+from robimp.synthesis.simulation.members import drawn_members
 from robimp.synthesis.spec.model import ActuatorBox, Constraints, Eq12, Polynomials, Sampling, TwoPortActuator
 
 Q = Polynomials(numerator=(Fraction(2000),), denominator=(Fraction(1), Fraction("70.75"), Fraction(2500)))
@@ -93,6 +94,15 @@ class TestMembers:
         (only,) = members(given())
         assert (only.spec, only.impedance, only.drive) == (given(), None, None)
         assert {(t.impedance, t.actuator) for t in verify(given(), PAPER, quick=True).trials} == {(None, None)}
+
+    def test_drawn_ones_lie_inside_every_range_and_differ(self):
+        drawn = drawn_members(ranged(), 20, np.random.default_rng(0))
+        for name, (low, high) in WISH.items():
+            assert all(low <= getattr(member.impedance, name) <= high for member in drawn)
+        for name, (low, high) in BOX.items():
+            assert all(low <= getattr(member.spec.actuator, name) <= high for member in drawn)
+        assert len({str(member) for member in drawn}) == 20
+        assert drawn_members(given(), 20, np.random.default_rng(0)) == []
 
     def test_an_interval_of_no_width_is_no_range(self):
         exact = (Fraction("0.01"), Fraction("0.01"))

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 
+import numpy as np
+
 from ..spec.model import Impedance, Interval, SeriesElasticActuator, Spec
 from .equations import Load, desired, loads
 
@@ -52,6 +54,21 @@ def members(spec: Spec) -> Iterator[Member]:
     intervals = [*wish.values(), *drive.values()]
     for ends in _ends(len(names)):
         yield _member(spec, {name: both[end] for name, both, end in zip(names, intervals, ends, strict=True)})
+
+
+def drawn_members(spec: Spec, count: int, rng: np.random.Generator) -> list[Member]:
+    """Members from anywhere inside the ranges; none where there is no range."""
+    wish, drive = _ranges(spec)
+    intervals = {**wish, **drive}
+
+    def within(interval: Interval) -> Fraction:
+        low, high = interval
+        return low + Fraction(rng.random()) * (high - low)
+
+    return [
+        _member(spec, {name: within(both) for name, both in intervals.items()})
+        for _ in range(count if intervals else 0)
+    ]
 
 
 def with_parameters(spec: Spec, impedance: Load | None, drive: Drive | None) -> Member:

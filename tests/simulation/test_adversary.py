@@ -20,7 +20,7 @@ from robimp.synthesis.errors import InputError
 from robimp.synthesis.simulation.adversary.population import Reality, population
 from robimp.synthesis.simulation.batch.switched import Imperfections
 
-FEW = {"haninger2016-paper": 40, "sampled-range": 12, "feedback-both": 12, "weight-disc": 12}
+FEW = {"haninger2016-paper": 40, "sampled-range": 19, "feedback-both": 12, "weight-disc": 12}
 ATTACKS = {"level": levels, "Δ": deltas, "box": boxes, "partner": partners, "discs": discs}
 
 

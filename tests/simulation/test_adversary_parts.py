@@ -83,6 +83,13 @@ class TestLoop:
         assert left_alone(free(spec, C, marginal)).grows
         assert not left_alone(free(spec, C, LOAD)).grows
 
+    @pytest.mark.parametrize("name", GIVEN)
+    def test_against_a_wall_torques_grow_where_a_pole_is_on_the_right(self, name):
+        spec, C = given(name)
+        greedy = (tuple(20 * c for c in C[0]), C[1])
+        assert locked(spec, greedy).rate > 0 > locked(spec, C).rate
+        assert left_alone(locked(spec, greedy)).grows and not left_alone(locked(spec, C)).grows
+
     def test_the_frozen_actuator_gives_the_same_torque_whatever_the_load(self, paper):
         spec, C = paper
 

@@ -106,16 +106,20 @@ class Loop:
         return {name: value / amplitudes[given] for name, value in amplitudes.items()}
 
     def alone(self, omega: float, ticks: int, window: int, per_radian: float) -> tuple[float, float]:
-        """Largest |θ| in a `window` after the first and the third quarter of the ticks, of a joint thrown and left."""
+        """Largest |θ| in a `window` after the first and the third quarter of the ticks, of a joint thrown and left.
+
+        Against a rigid wall, where nothing turns, the largest |τ_int|.
+        """
         tick = max(1 / (per_radian * omega), self._shortest)
         block = self._with(())
         step, start = self._steps(block, tick, 1, np.eye(len(block.A))[0])
-        theta = np.append(block.row("theta"), np.zeros(len(step) - len(block.A)))
+        moved = block.row("theta") if block.row("theta").any() else block.row("tau_int")
+        moved = np.append(moved, np.zeros(len(step) - len(block.A)))
         with np.errstate(all="ignore"):
             quarter = np.linalg.matrix_power(step, ticks // 4)
             early = quarter @ start
             late = quarter @ (quarter @ early)
-            first, last = (abs(trajectory(step, z, window) @ theta).max() for z in (early, late))
+            first, last = (abs(trajectory(step, z, window) @ moved).max() for z in (early, late))
         return float(first), float(last)
 
     def _steps(self, block: Block, tick: float, coarser: int, start: Samples) -> tuple[Matrix, Samples]:

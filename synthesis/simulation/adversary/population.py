@@ -17,10 +17,11 @@ from ..batch.run import LEVELS as FRICTION_LEVELS
 from ..batch.run import simulate_batch
 from ..batch.switched import Imperfections, switched
 from ..equations import Compensator
-from ..members import members
+from ..members import drawn_members, members
 from .loop import Array, Loop, free
 from .stretched import vertices
 
+INSIDE = 16  # members drawn from inside the ranges
 CHUNK = 500  # joints moved at once: bounds memory, and how long Ctrl-C waits
 TICK = 2e-3  # s, of a continuous controller: its steps are exact however long, the torque is held
 E_FOLDS = 20.0  # of the slowest motion, while it is let go
@@ -99,15 +100,16 @@ def population(
 ) -> Population:
     """Move `count` joints for `seconds` [s] at least: half the time a random torque, half none.
 
-    Of ranges of impedances and actuators every member gets its share. With `sampling` the controller is the sampled
-    one, in double precision. `progress` is told the share done. `reality`: what else there is.
+    Of ranges of impedances and actuators the middle, every end and some from inside get their share. With `sampling`
+    the controller is the sampled one, in double precision. `progress` is told the share done. `reality`: what else
+    there is.
 
     Raises: InputError for an encoder, sensor noise or single precision without a sampled controller.
     """
     if reality.arithmetic != "float64" and spec.sampling is None and reality.rate is None:
         raise InputError("single precision is that of a sampled controller: give a rate")
     rng = np.random.default_rng(seed)
-    every = list(members(spec))
+    every = [*members(spec), *drawn_members(spec, INSIDE, rng)]
     share = ceil(count / len(every))
     parts: list[tuple[Any, ...]] = []
     ticks, tick = 0, TICK

@@ -15,12 +15,12 @@ from ..equations import Compensator
 from .experiment import FRICTION, Curve, Experiment, Observation
 
 TICK = 1e-3
-SECONDS = 60.0
-EVERY = 50  # ticks between points of a curve
+SECONDS = 200.0
+EVERY = 200  # ticks between points of a curve
 STICTION = 1.5  # with Coulomb's law alone an integrator creeps to rest as well
 PUSHES = (0.5, 1.5, 3.0, 10.0)  # of the friction, three times as large for the first tenth of the time
 QUIET = 1e-9  # of the largest angle: a smaller range is rest
-AXES = ("time [s]", "θ [rad]")
+AXES = ("time [s]", "θ beside its last value [rad]")
 
 
 def integrating(C: Compensator) -> Compensator:
@@ -50,15 +50,16 @@ def hunting(spec: Spec, C: Compensator) -> Experiment:
     """The controller given, and the same with Q(0) = 1, under constant torques."""
     given, integrator = pushed(spec, C), pushed(spec, integrating(C))
     moved = [float((run.high - run.low).max()) for run in (given, integrator)]
-    worst = int(np.argmax(integrator.high - integrator.low))
+    worst = int(np.argmax(integrator.reversals))
     rests = moved[0] <= QUIET * given.late.max()
     hunts = moved[1] > QUIET * integrator.late[worst] and integrator.reversals[worst] > 1
     how = f"back and forth by {moved[1]:.3g} rad, {int(integrator.reversals[worst])} starts and turns then"
     seen = (
-        Observation("with Q(0) < 1 it comes to rest", f"moves by {moved[0]:.3g} rad in the last 15 s", bool(rests)),
+        Observation("with Q(0) < 1 it comes to rest", f"moves by {moved[0]:.3g} rad in the last quarter", bool(rests)),
         Observation("with Q(0) = 1 it hunts", how, bool(hunts)),
     )
     times = TICK * EVERY * np.arange(given.traces.shape[1], dtype=float)
-    runs = {"Q as given": given, "the same with Q(0) = 1": integrator}
-    curves = tuple(Curve(name, times, run.trace("theta", worst)) for name, run in runs.items())
+    late = times > SECONDS / 3
+    runs = {"Q as given": given.trace("theta", worst), "the same with Q(0) = 1": integrator.trace("theta", worst)}
+    curves = tuple(Curve(name, times[late], theta[late] - theta[-1]) for name, theta in runs.items())
     return Experiment(f"Hunting under {PUSHES[worst % len(PUSHES)]:g} times the friction", AXES, curves, seen)
