@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+import update
 from pages import ROOT, SOURCES, Block, Page, WrongBlockError, blocks, matches
 
 PAGES = [
@@ -96,3 +97,15 @@ def test_blocks_are_found_where_they_are() -> None:
         ("p.md:9", "console", None),
     ]
     assert isinstance(found[0], Block) and found[1].text == "$ ls\n"
+
+
+def test_a_page_is_brought_up_to_date(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    page = tmp_path / "page.md"
+    listing = "```console\n$ printf 'a 1\\nb 2\\nc 3\\n'\n{}\n```\n"
+    wrong = ["a …\nx\nc 3", "a 1\nx\n…", "a …\n…", "a 1"]
+    right = ["a …\nb 2\nc 3", "a 1\nb 2\n…", "a …\n…", "a 1\nb 2\nc 3"]
+    code = "```python\nprint(2)\n```\n\n```text\n{}\n```\n"
+    page.write_text("\n".join([*map(listing.format, wrong), code.format(1)]), encoding="utf-8")
+    monkeypatch.setattr("sys.argv", ["update.py", str(page)])
+    update.main()
+    assert page.read_text(encoding="utf-8") == "\n".join([*map(listing.format, right), code.format(2)])

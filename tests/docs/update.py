@@ -1,6 +1,6 @@
 """Put what commands and code print now into pages, such as `python tests/docs/update.py README.md`; then read the diff.
 
-What already fits stays as it is, with its `…`; times are elided.
+Lines that fit stay as they are, with their `…`; times are elided.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 import sys
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -41,9 +42,18 @@ class Updated(Page):
     def compare(self, block: Block, what: str, shown: str, printed: str) -> None:
         """Note what differs."""
         if not matches(shown, printed):
-            lines = "".join(f"{line.rstrip()}\n" for line in printed.rstrip().split("\n"))
+            lines = "".join(_taken_over(shown.splitlines(), [line.rstrip() for line in printed.rstrip().split("\n")]))
             command = f"$ {what[1:-1]}\n" if what[0] == "`" else "```text\n"
             self.changes.append(Change(int(block.place.rpartition(":")[2]), command, shown, TIME.sub(r"… \2", lines)))
+
+
+def _taken_over(shown: list[str], printed: list[str]) -> Iterator[str]:
+    """Printed lines where shown ones differ, up to a line `…`; from there on, what is shown, if it fits."""
+    start = shown.index("…") if "…" in shown else len(printed)
+    old = shown[:start] + [""] * (start - len(shown))
+    head = [was if matches(was, now) else now for was, now in zip(old, printed, strict=False)]
+    fits = matches("\n".join(shown[start:]), "\n".join(printed[start:]))
+    yield from (f"{line}\n" for line in head + (shown if fits else printed)[start:])
 
 
 def main() -> None:
