@@ -51,10 +51,10 @@ def recheck(
             raise RobimpError(f"prover says {outcome.value}, the independent checker says: {said}")
         if not more:
             break
-        kind = next(iter(more))  # one at a time: out of time, it says so of all that follow
-        weaker = {kind: conceded(setting, c) for c in claims if (c.id, c.form) == kind}
-        if weaker[kind] is not None:
-            claims = tuple(weaker.get((c.id, c.form)) or c for c in claims)
+        doubted = next(c for c in claims if (c.id, c.form) in more)  # one at a time: out of time, all that follow are
+        weaker = conceded(setting, doubted)
+        if weaker is not None:
+            claims = tuple(weaker if c is doubted else c for c in claims)
         elif seconds == PATIENCE:
             break
         else:
