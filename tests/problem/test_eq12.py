@@ -207,5 +207,29 @@ def test_beside_passivity_the_printed_form_is_reported_on_its_largest_band() -> 
     assert form(setting("{eq12: {form: structured}}"), "eq12", "structured").positive_real
 
 
+@pytest.mark.parametrize(
+    ("filters", "says"),
+    [
+        ("force: 100", "with stability, passive behind an ideal actuator"),
+        ("force: 100, derivative: 2", "not passivity"),
+        ("force: 100, position: 3", "not passivity"),
+    ],
+)
+def test_the_printed_form_is_not_called_passivity_where_it_leaves_filters_out(filters: str, says: str, many) -> None:
+    controller = f"{{type: dob, order: 4, filters: {{{filters}}}}}"
+    weight = f"{{weight: {WEIGHT}}}"
+    joint = setting("{eq12: {form: paper}}", actuator=IDEAL, uncertainty=weight, controller=controller)
+    constraint = only(joint, "eq12")
+    assert says in constraint.statement
+    contradicted = False
+    for draw, omega in many:
+        C = random_controller(joint, draw)
+        w = Joint(joint, C, omega)
+        left, right = sides(joint, constraint.inequalities[0], 1.0, C, omega)
+        passive = (w.Z(w.g_hat / (1 + disc(w.W))) / w.s).real.min(axis=0) > 0
+        contradicted |= bool(np.any((left < right) & ~passive))
+    assert contradicted == ("not" in says)
+
+
 def test_no_eq12_no_constraint() -> None:
     assert [c.id for c in constraints(setting()) if c.id == "eq12"] == []

@@ -15,6 +15,7 @@ from fractions import Fraction
 from typing import Any
 
 from ....models.impedance import DynamicStiffness
+from ....models.rational import ONE
 from ..setting import Setting
 from .inequality import ONE_MINUS_X, Affine, Constraint, Gain, Inequality, Role, Source, Term, Variable, X
 
@@ -44,11 +45,14 @@ def _paper(setting: Setting, level: Fraction | None, band: tuple[Fraction, Fract
         modulus_right=True,
         source=Source.LUMPED,
     )
+    filtered = loop.filters.position is not None or loop.filters.derivative != ONE
+    ignored = "not passivity, for it leaves the position and derivative filters out"  # Re(Z/jω) < 0 is possible
+    meaning = ignored if filtered else "with stability, passive behind an ideal actuator"
     return Constraint(
         id="eq12",
         equation="(12)",
         form="paper",
-        statement="|Ĝ(jω−G_imp)| + 2vW/(1−vW)·|1−Q| < |Ĝ(jω+G_imp)|: with stability, passive behind an ideal actuator",
+        statement="|Ĝ(jω−G_imp)| + 2vW/(1−vW)·|1−Q| < |Ĝ(jω+G_imp)|: " + meaning,
         uncertainty="disc of radius W < 1",
         inequalities=(inequality,),
         level=level,
