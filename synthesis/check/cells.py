@@ -11,7 +11,7 @@ from math import factorial, inf
 from operator import add
 from typing import Any
 
-from .forms import BITS, Axis, Form
+from .forms import BITS, Axis, Form, UnresolvedError
 from .polynomials import ONE, Poly, X
 
 Ranges = dict[tuple[str, Any], tuple[Fraction, Fraction]]  # parameters that vary
@@ -132,13 +132,20 @@ class Cell:
             k += 1
         wait, lag, mean = (self._exponential(a / 2**k, n) for a, n in ((delay, 0), (1 / rate, 0), (1 / rate, 1)))
         for _ in range(k):
+            if max(z.p.size() for z in (wait, lag, mean)) > 1:  # it cannot be that large
+                return self._bounded_hold(rate)
             wait, lag, mean = wait * wait, lag * lag, mean * (lag + ONE) * Poly.of(Fraction(1, 2))
+            wait, lag, mean = (Axis(z.p.at(0), z.q.at(0)) for z in (wait, lag, mean))
         found = wait * mean
-        if self.lo and found.p.size() > 1:  # it cannot be that large
-            over = self.form(r=1 / self.lo).root()
-            p = self.form(r=2 * rate) * over if self.lo > 4 * rate**2 else self.form(r=1)
-            return Axis(p, p * over)
-        return found
+        return found if found.p.size() <= 1 else self._bounded_hold(rate)
+
+    def _bounded_hold(self, rate: Fraction) -> Axis:
+        """What |hold| ≤ 1 and ≤ 2/(ωT) say."""
+        if self.ends:
+            raise UnresolvedError
+        over = self.form(r=1 / self.lo).root()
+        p = self.form(r=2 * rate) * over if self.lo > 4 * rate**2 else self.form(r=1)
+        return Axis(p, p * over)
 
     def _exponential(self, a: Fraction, n: int) -> Axis:
         """`e^{-sa}`, or (n = 1) `(1 − e^{-sa})/(sa)`: Re and Im alternate, errors are below what is omitted."""

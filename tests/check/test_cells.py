@@ -141,6 +141,19 @@ def test_the_hold_contains_the_float_values(log_omega: float, log_width: float, 
         assert float(bounds(hold.p, t)[1] - bounds(hold.p, t)[0]) < 1e-3
 
 
+@pytest.mark.parametrize("delay", ["1/100", "3", "1000000000000"])
+@pytest.mark.parametrize("width", [Fraction(3), Fraction(1, 10**9)])
+def test_the_hold_of_a_long_delay_is_bounded_and_soon_there(delay: str, width: Fraction) -> None:
+    """Halving the angle many times must not make powers, exponents or time grow with it."""
+    began = monotonic()
+    for omega in (Fraction(1, 50), Fraction(30), Fraction(10**5), Fraction(10**40)):
+        hold = Cell(omega**2, omega**2 * (1 + width), False, {}).hold(Fraction(1000), Fraction(delay))
+        for form, most in ((hold.p, 1), (hold.q, 1 / omega)):
+            low, high = bounds(form, [Fraction(0)])
+            assert -5 * most <= low <= high <= 5 * most
+    assert monotonic() - began < 2
+
+
 @pytest.mark.parametrize("omega", [2e4, 1e6])
 def test_the_hold_in_the_cell_at_infinity(omega: float) -> None:
     cell = Cell(Fraction(0), Fraction(1, 10**8), True, {})
