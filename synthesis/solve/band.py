@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 FIRST_POINTS = 16  # of the program, for each inequality
-SHORT = 1e-4  # relative shortfall that makes a frequency join the program
+SHORT = 3e-4  # relative shortfall that makes a frequency join the program
 INACCURATE = 1e-3  # shortfall, or distance from the level promised, at which a solution is none
-LEVEL, COARSE_LEVEL = 5e-4, 0.02  # |log| of the level at which ω_B is found
+LEVEL, COARSE_LEVEL = 1e-3, 0.02  # |log| of the level at which ω_B is found
 SLOPE = 2.0  # of log level over log ω, before two points tell
 SHARE = 0.05  # of the level's distance from 1: a shortfall that is small enough to take the next step
 STEPS = 30  # of the search for ω_B

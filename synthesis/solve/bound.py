@@ -33,6 +33,7 @@ NEAR, MOVES = 0.1, 4  # how close to ω_B the poles have to be placed, and how o
 CONVERGED = 0.01  # relative growth of ω_B below which the basis is large enough
 NEARLY = 0.99  # of the highest frequency that is looked at: no limit was met
 SPREAD, DENSE, FINER = 300, 600, 4  # points over everything and around ω_B, besides resonances; then so many times more
+RESPONSE = 8  # one point of the grid in so many is enough to begin a search from
 BEYOND, TAIL = 1e3, 30  # how far beyond the joint's frequencies Q̃ is watched as it dies out, at so many points
 
 
@@ -121,7 +122,7 @@ def _result(program: BandProgram, omega_B: float, growth: float | None = None, *
     """The bound of the last solution; without a limit nothing binds."""
     dropped = tuple(dict.fromkeys(c.id for c in program.dropped))
     binding = program.binding() if limited else ()
-    response = Response(program.omega, program.X)
+    response = Response(program.omega[::RESPONSE], program.X[::RESPONSE])
     return Bound(omega_B, program.basis.terms, growth, binding, dropped, response, limited)
 
 

@@ -7,7 +7,7 @@ gain of the interval will do, and the others are divided.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -54,12 +54,13 @@ class _Gains(Plane):
 
     def _variable(self, variable: Variable, H_v: Any, k: NDArray[np.int_], X: Disc) -> Disc:
         F = self.F[k]
-        return {
+        values: dict[Variable, Callable[[], Disc]] = {
             Variable.Q: lambda: X.moebius(F, F, 1.0),
             Variable.Q_TILDE: lambda: X.moebius(H_v * F, H_v * F, 1.0),
             Variable.L: lambda: X * (H_v * F),
             Variable.COMMAND: lambda: X.moebius(F, H_v * F, 1.0),
-        }[variable]()
+        }
+        return values[variable]()
 
     def excluded(self, groups: Sequence[Group]) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
         """Intervals of gains that cover all, each with where which group fails; None where some gain is left."""

@@ -40,7 +40,7 @@ KEPT = 4  # distinct optima that are kept
 FINER = 8  # the grid that optima are looked at between solutions
 EXCHANGES = 8
 ROUNDS = 12
-BACK_OFF_GROWTH, BACK_OFF_GROWTH_ON_CELLS = 4.0, 1.5  # after a proof that fails; the first slack of the latter is large
+BACK_OFF_GROWTH, BACK_OFF_GROWTH_ON_CELLS = 3.0, 1.5  # after a proof that fails; the first slack of the latter is large
 REACHED = 0.9995  # of the program's ω_B: what the proof has to reach
 
 
@@ -153,22 +153,24 @@ class Search:
     def _optima(self, program: Program, below: Optima) -> Optima:
         """Distinct optima of one structure, and the grid on which the best is tight."""
         found: list[tuple[Candidate, Grids]] = []
-        ends: list[tuple[float, float]] = []  # ω_B of a solution on the first grid, which flatters, and what is left
-        best, votes = 0.0, list[float]()
+        ends: list[tuple[float, float]] = []  # ω_B of a solution on a grid, which flatters, and what is left
+        best, votes, grids = 0.0, list[float](), below.grids
         asked = program.structure == structure_of(self.setting.spec)  # the others only give it starts
         agree = FIRST_AGREE if asked and not (below.candidates or self.starts) else AGREE
         for start in self._starts(program, below):
             self._in_time()
-            explored = program.solve(start.x, start.omega_B, below.grids, refining=start.near)
+            explored = program.solve(start.x, start.omega_B, grids, refining=start.near)
             if explored is None:
                 continue
             left = next((left for end, left in ends if _same(explored.omega_B, end)), None)
             if left is None:
                 worthwhile = explored.omega_B > (WORTHWHILE if asked else 1.0) * best
-                exchanged = self._exchanged(program, explored, below.grids) if worthwhile else []
+                exchanged = self._exchanged(program, explored, grids) if worthwhile else []
                 found += exchanged
                 left = exchanged[0][0].omega_B if exchanged else 0.0
-                ends.append((explored.omega_B, left))
+                ends += [(explored.omega_B, left), (left, left)]
+                if left > best:  # the others look where it is tight, too: what flatters less is sooner known
+                    grids = exchanged[0][1]
             best = max(best, left)
             votes += [left] if start.votes else []
             if best > 0 and sum(_same(vote, best) for vote in votes) >= agree:
