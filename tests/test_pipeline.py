@@ -212,7 +212,7 @@ def written_by(result: Result, folder: Path, monkeypatch: pytest.MonkeyPatch, ki
                 setattr(Path, name, counted)
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
             try:
-                _synth_one(Path("spec.yaml"), result.spec, folder, None, True)
+                _synth_one(Path("spec.yaml"), result.spec, folder, None, 0, True)
             finally:
                 os._exit(0)
         os.waitpid(child, 0)

@@ -49,14 +49,14 @@ def test_a_bound_the_solver_fails_at_does_not_stop_the_search(tmp_path: Path, mo
 def test_the_report_is_about_the_bytes_that_were_checked_and_they_are_checked_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pipeline, checked = import_module("robimp.synthesis.pipeline"), []
-    genuine = pipeline.check_bytes
+    recheck, checked = import_module("robimp.synthesis.recheck"), []
+    genuine = recheck.check_bytes
 
     def check_bytes(data: bytes, **limits: Any) -> Any:
         checked.append(data)
         return genuine(data, **limits)
 
-    monkeypatch.setattr(pipeline, "check_bytes", check_bytes)
+    monkeypatch.setattr(recheck, "check_bytes", check_bytes)
     monkeypatch.setattr(study, "check_bytes", check_bytes)
     assert robimp("synth", EXAMPLES / "haninger2016-paper.yaml", "-o", tmp_path).code == ExitCode.PROVEN
     assert checked == [(tmp_path / "certificate.json").read_bytes()]
