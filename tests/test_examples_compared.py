@@ -19,7 +19,7 @@ AGREE = {  # by how much ours may differ from what is expected, row by row
     "papers_tuning": (EQUAL, CLOSE, EQUAL, CLOSE),
     "stiffness_range": (EQUAL, EQUAL, 0.01, None),
     "dynamic_error_feedback": (EQUAL, 1e-4, 1e-4),
-    "sampled_500hz": (EQUAL, 1e-4, 1e-3),
+    "sampled_500hz": (EQUAL, 1e-4, 1e-2),  # margins on cells are within 1 % of the truth
     "published_actuators": (EQUAL, 1e-3, EQUAL, 1e-3),
     "certificate_in_ci": (EQUAL, EQUAL, EQUAL, EQUAL),
     "measured_to_c": (0.01, EQUAL, EQUAL, 0.01, 0),

@@ -40,7 +40,8 @@ KEPT = 4  # distinct optima that are kept
 FINER = 8  # the grid that optima are looked at between solutions
 EXCHANGES = 8
 ROUNDS = 12
-BACK_OFF_GROWTH, BACK_OFF_GROWTH_ON_CELLS = 3.0, 1.5  # after a proof that fails; the first slack of the latter is large
+BACK_OFF_GROWTH = 1.5
+SAME = 1e-3  # relative difference of ω_B below which two optima are one
 REACHED = 0.9995  # of the program's ω_B: what the proof has to reach
 
 
@@ -142,12 +143,17 @@ class Search:
                 self.known[key] = self._optima(Program(self.setting, structure, first, self.omega_0), optima)
             optima = self.known[key]
             searched.append((structure, optima))
+        best: Found | None = None
         for structure, optima in reversed(searched):  # one of lower order is one of this order, too
+            program = Program(self.setting, structure, first, self.omega_0)
             for candidate in optima.candidates:
-                program = Program(self.setting, structure, first, self.omega_0)
+                if best is not None and best.candidate.omega_B >= REACHED * candidate.omega_B:
+                    break  # the others, too, would have to lose less to their proofs
                 found = self._prove(program, candidate, optima.grids)
-                if found is not None:
-                    return found
+                if best is None or (found is not None and found.candidate.omega_B > best.candidate.omega_B):
+                    best = found
+            if best is not None:
+                return best
         return None
 
     def _optima(self, program: Program, below: Optima) -> Optima:
@@ -236,8 +242,7 @@ class Search:
             total += len(refuting)
             named = ", ".join(f"{c.id} at {c.omega:.4g}" for c in refuting[:3])
             self.progress(f"proof {rounds} fails: {named} rad/s; solving again")
-            growth = BACK_OFF_GROWTH if self.setting.polynomial else BACK_OFF_GROWTH_ON_CELLS
-            grids = replace(grids, back_off=grids.back_off * growth).refined(
+            grids = replace(grids, back_off=grids.back_off * BACK_OFF_GROWTH).refined(
                 [c.omega for c in refuting if not c.on_band and 0 < c.omega < np.inf],
                 [c.omega / candidate.omega_B for c in refuting if c.on_band],
             )
@@ -255,12 +260,12 @@ class Search:
 
 
 def _same(one: float, other: float) -> bool:
-    return abs(one - other) < 1e-3 * other
+    return abs(one - other) < SAME * other
 
 
 def _distinct(candidates: list[Candidate]) -> tuple[Candidate, ...]:
     kept: list[Candidate] = []
     for c in candidates:
-        if not kept or c.omega_B < 0.999 * kept[-1].omega_B:
+        if not kept or c.omega_B < 0.9998 * kept[-1].omega_B:
             kept.append(c)
     return tuple(kept)
