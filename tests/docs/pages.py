@@ -91,10 +91,11 @@ def blocks(text: str, name: str) -> list[Block]:
 
 
 def matches(shown: str, printed: str) -> bool:
-    """Whether what a page shows is what was printed, `…` aside."""
+    """Whether what a page shows is what was printed, `…` and the width of columns aside."""
     pattern = ""
     for line in shown.rstrip().split("\n"):
         inside = "[^\n]*".join(map(re.escape, line.rstrip().split("…")))
+        inside = re.sub(r"(?:\\ ){2,}", " {2,}", inside)
         pattern += r"(?:[^\n]*\n)*?" if line.strip() == "…" else inside + r"\n"
     return re.fullmatch(pattern, "".join(f"{line.rstrip()}\n" for line in printed.rstrip().split("\n"))) is not None
 
