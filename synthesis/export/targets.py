@@ -121,7 +121,7 @@ def _c(subject: Subject) -> dict[str, str]:
         "claims": [each.line.replace("*/", "") for each in subject.carried],
         "filters": filters,
         "has": {name: len(cascade.sections) for name, cascade in law.filters.items()},
-        "settles": any(cascade.sections for name, cascade in law.filters.items() if name != "compensator"),
+        "settles": bool(law.compensator.sections) and len(filters) > 1,
         "nominal": _stiffness(law.nominal, literal),
         "desired": _stiffness(law.desired, literal),
         "back_calculation": literal(to_float(law.back_calculation)),

@@ -5,17 +5,20 @@ from __future__ import annotations
 import shutil
 import subprocess
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
 import pytest
-from export_joints import JOINT, Drive, law_of, replaced, setting_of
+from export_joints import IDEAL, JOINT, Drive, law_of, replaced, setting_of
 
 from robimp.synthesis.export.carried import Carried
+from robimp.synthesis.export.sections import DTYPE
 from robimp.synthesis.export.targets import Subject, document, files_of
 from robimp.synthesis.simulation.sections import run
 
 COMPILER = shutil.which("gcc") or shutil.which("cc")
+CPP = shutil.which("g++") or shutil.which("c++")
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="no C compiler here (gcc or cc)")
 STRICT = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O2", "-ffp-contract=off"]
 SAMPLES = 1_000_000
@@ -32,9 +35,31 @@ JOINTS = {
     "a gain alone": replaced(
         JOINT, (PAPER, "{type: dynamic-feedback, coefficients: {numerator: [2.5], denominator: [1]}}")
     ),
+    "filters around a gain of 1": replaced(
+        JOINT,
+        (
+            PAPER,
+            "{type: dynamic-feedback, coefficients: {numerator: [1], denominator: [1]},"
+            " filters: {force: 1000, position: none, derivative: 1000}}",
+        ),
+    ),
     "range": replaced(JOINT, ("stiffness: 1.25}", "stiffness: [0.2, 10]}")),
     "another inertia": replaced(JOINT, ("{inertia: nominal,", "{inertia: 0.04,")),
 }
+FILTERS = [
+    "",
+    *(
+        f", filters: {{force: 400{p}{d}}}"
+        for p in ("", ", position: none", ", position: 500")
+        for d in ("", ", derivative: 700")
+    ),
+]
+STRUCTURES = [PAPER, ORDER_4] + [
+    f"{{type: dynamic-feedback, coefficients: {{numerator: {num}, denominator: {den}}}{filters}}}"
+    for num, den in (("[1]", "[1]"), ("[2.5]", "[1]"), ("[1, 90, 2000]", "[1, 40, 0]"))
+    for filters in FILTERS
+]
+STIFFNESSES = ("1.25", "[0.2, 10]")
 HARNESS = """
 #include "joint.c"
 #include <stdio.h>
@@ -71,6 +96,18 @@ class Built:
         assert COMPILER is not None
         return subprocess.run(
             [COMPILER, *STRICT, source, *options], cwd=self.folder, capture_output=True, text=True, check=False
+        )
+
+    def header_in_cpp(self, header: str) -> subprocess.CompletedProcess[str]:
+        """A C++ translation unit with this header alone; where there is no C++ compiler, C has to do."""
+        (self.folder / "main.cpp").write_text(f'#include "{header}"\n', encoding="utf-8")
+        command = [CPP, "-std=c++98"] if CPP else [str(COMPILER), "-x", "c", "-std=c99"]
+        return subprocess.run(
+            [*command, "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only", "main.cpp"],
+            cwd=self.folder,
+            capture_output=True,
+            text=True,
+            check=False,
         )
 
     @property
@@ -208,6 +245,18 @@ def test_only_certified_impedances_are_accepted(tmp_path: Path) -> None:
         r[4] = joint_set_impedance(&c, c.inertia, c.damping, (real)(0.0 / 0.0)) == JOINT_OUTSIDE;
         fwrite(r, sizeof r[0], 5, stdout);"""
     assert made.run(body, np.zeros(1)).tolist() == [1] * 5
+
+
+@pytest.mark.parametrize("base", [JOINT, IDEAL], ids=["series-elastic", "ideal"])
+def test_every_structure_compiles_as_c_and_its_header_as_cpp(tmp_path: Path, base: str) -> None:
+    """Gains, filters here and there, observers; in turn both precisions, with and without a range."""
+    for structure, precision, stiffness in zip(STRUCTURES, cycle(DTYPE), cycle(STIFFNESSES[:1] * 2 + STIFFNESSES[1:])):
+        made = built(tmp_path, replaced(base, (PAPER, structure), ("1.25", stiffness)), precision)
+        for done in (made.compiled("joint.c", "-O0", "-c"), made.header_in_cpp("joint.h")):
+            assert done.returncode == 0, f"{structure}: {done.stderr}"
+    broken = (tmp_path / "joint.c").read_text(encoding="utf-8") + "static void unused(void) {}\n"
+    (tmp_path / "joint.c").write_text(broken, encoding="utf-8")
+    assert "defined but not used" in made.compiled("joint.c", "-O0", "-c").stderr, "the control"
 
 
 @pytest.mark.parametrize(
