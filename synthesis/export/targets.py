@@ -10,12 +10,15 @@ from fractions import Fraction
 from hashlib import sha256
 from importlib.resources import files
 from keyword import iskeyword
+from math import inf
 from typing import Any
 
+import numpy as np
+from flint import fmpq
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from ...models.impedance import DynamicStiffness
-from ...models.rational import to_float
+from ...models.rational import exact, to_float
 from ..errors import InputError
 from ..problem.setting import LOAD, Setting
 from ..spec import number_text
@@ -88,7 +91,7 @@ def files_of(subject: Subject, target: str) -> dict[str, str]:
 
 def _c(subject: Subject) -> dict[str, str]:
     law, spec, p = subject.law, subject.setting.spec, subject.identifier
-    literal = _literal(law.precision)
+    literal, decimal = _literal(law.precision), _decimal(law.precision)
     filters = [
         {"name": name, "sections": [[literal(b) for b in (s.b0, s.b1, s.b2, s.a1, s.a2)] for s in cascade.sections]}
         for name, cascade in law.filters.items()
@@ -125,7 +128,7 @@ def _c(subject: Subject) -> dict[str, str]:
         "nominal": _stiffness(law.nominal, literal),
         "desired": _stiffness(law.desired, literal),
         "back_calculation": literal(to_float(law.back_calculation)),
-        "ranges": {name: [literal(to_float(end)) for end in ends[:2]] for name, ends in ranges.items()},
+        "ranges": {name: [decimal(end) for end in inward(*ends[:2], law.precision)] for name, ends in ranges.items()},
         "ranges_text": ", ".join(f"{k} {to_float(v[0]):g} to {to_float(v[1]):g}" for k, v in ranges.items()),
         "fixed": [(k, i) for i, k in enumerate(LOAD) if k not in ranges],
         "torque": torque,
@@ -147,6 +150,21 @@ def _literal(precision: str) -> Callable[[float], str]:
     """A number of C to the last bit."""
     suffix = "f" if precision == "float" else ""
     return lambda value: float(DTYPE[precision](value)).hex() + suffix
+
+
+def _decimal(precision: str) -> Callable[[float], str]:
+    """The same where C++ reads it, too, in as many digits as tell it from its neighbours."""
+    digits, suffix = (8, "f") if precision == "float" else (16, "")
+    return lambda value: f"{value:.{digits}e}{suffix}"
+
+
+def inward(low: fmpq, high: fmpq, precision: str) -> tuple[float, float]:
+    """The smallest and the largest number of the code's arithmetic within a certified range."""
+    to = DTYPE[precision]
+    least, most = to(to_float(low)), to(to_float(high))
+    least = least if exact(float(least)) >= low else np.nextafter(least, to(inf))
+    most = most if exact(float(most)) <= high else np.nextafter(most, to(-inf))
+    return float(least), float(most)
 
 
 def _rendered(template: str, words: dict[str, Any]) -> str:

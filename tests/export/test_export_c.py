@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import cycle
 from pathlib import Path
 
@@ -245,6 +246,24 @@ def test_only_certified_impedances_are_accepted(tmp_path: Path) -> None:
         r[4] = joint_set_impedance(&c, c.inertia, c.damping, (real)(0.0 / 0.0)) == JOINT_OUTSIDE;
         fwrite(r, sizeof r[0], 5, stdout);"""
     assert made.run(body, np.zeros(1)).tolist() == [1] * 5
+
+
+@pytest.mark.parametrize("precision", DTYPE)
+@pytest.mark.parametrize("ends", ["[0.7, 1.25]", "[0.1, 0.3]", "[1/3, 2/3]", "[0.2, 10]"])
+def test_no_number_outside_the_certified_range_is_accepted(tmp_path: Path, ends: str, precision: str) -> None:
+    """The numbers of the code's arithmetic on both sides of each end, against the exact end."""
+    made = built(tmp_path, replaced(JOINT, ("stiffness: 1.25}", f"stiffness: {ends}}}")), precision)
+    low, high = (Fraction(end) for end in ends.strip("[]").split(", "))
+    near = [made.number(float(end)) for end in (low, high)]
+    tried = [np.nextafter(x, made.number(to)) for x in near for to in (-np.inf, np.inf)] + near
+    body = READ + "while (fread(x, sizeof x[0], 1, stdin)) "
+    body += (
+        "{ x[0] = joint_set_impedance(&c, c.inertia, c.damping, x[0]) == JOINT_OK; fwrite(x, sizeof x[0], 1, stdout); }"
+    )
+    expected = [float(low <= Fraction(float(x)) <= high) for x in tried]
+    assert made.run(body, np.array(tried)).tolist() == expected
+    assert 0 in expected
+    assert 1 in expected
 
 
 @pytest.mark.parametrize("base", [JOINT, IDEAL], ids=["series-elastic", "ideal"])
