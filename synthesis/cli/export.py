@@ -75,7 +75,10 @@ def _rate(text: str | None) -> Fraction | None:
 
 
 def _say(done: Exported, written: list[str]) -> None:
-    say(f"{'PROVEN' if done.exit_code == ExitCode.PROVEN else 'LOST'}  {done.subject.name}  {done.subject.timing}")
+    from ..export.carried import bandwidth
+
+    word = "PROVEN" if done.exit_code == ExitCode.PROVEN else "LOST"
+    say(f"{word}  {done.subject.name}  {bandwidth(done.claims)}; {done.subject.timing}")
     for claim in done.claims:
         say(f"  {claim.line}")
     for path in written:
@@ -83,7 +86,12 @@ def _say(done: Exported, written: list[str]) -> None:
 
 
 def _lost(done: Exported) -> str:
-    short = [f"{each.id} {each.form}" for each in done.claims if each.required and each.status != "proven"]
+    from ..export.carried import LOST, bandwidth, lost
+
+    short = [
+        f"{each.id} {each.form}" + (f", {bandwidth([each])}" if each.status == LOST else "")
+        for each in lost(done.claims)
+    ]
     advice = (
         "give the specification `sampling: {rate: …, delay: …}` and synthesise again: then the hold is certified, too"
         if done.subject.assumed_hold

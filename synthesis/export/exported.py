@@ -19,7 +19,7 @@ from ..problem.setting import Setting
 from ..spec import from_canonical
 from ..spec.model import Polynomials
 from ..storage import write_atomic
-from .carried import Carried, exit_code
+from .carried import Carried, exit_code, lost
 from .law import Law, discretised
 from .proofs import carried_over
 from .sections import DTYPE, Sections
@@ -40,8 +40,8 @@ class Exported:
     target: str
 
     def __repr__(self) -> str:
-        lost = [f"{each.id} {each.form}" for each in self.claims if each.required and each.status != "proven"]
-        found = f"not proven: {', '.join(lost)}" if lost else "every required claim proven"
+        missing = ", ".join(f"{each.id} {each.form}" for each in lost(self.claims))
+        found = f"not proven: {missing}" if missing else "every required claim proven"
         return f"<Exported {self.subject.name}: {float(self.law.rate):g} Hz, {self.law.precision}, {found}>"
 
     @property

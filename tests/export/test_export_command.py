@@ -47,14 +47,16 @@ def test_a_passive_joint_stays_proven_at_its_rate(tmp_path: Path) -> None:
     assert certificate["end"]["body_sha256"] in header
     assert "eq12 structured                 required  proven on [0, 3110.18] rad/s margin" in header
     assert "assumed, as the specification has no sampling: a hold and no computation delay" in header
-    assert "PROVEN" in run.out
+    assert run.out.startswith("PROVEN  haninger2016-paper  ω_B ≥ 8.86146 rad/s (certificate 8.87572); assumed")
     assert run.err == ""
 
 
 def test_a_lost_claim_is_exit_4_and_no_file_unless_forced(tmp_path: Path) -> None:
     run = robimp("export", TIGHT, "--target", "c", "--rate", "1000", "-o", tmp_path / "x")
     assert run.code == ExitCode.REFUTED
-    assert "not proven: eq12 structured; give the specification `sampling" in run.line
+    assert "not proven: eq12 structured, bandwidth attenuation, ω_B ≥ 18.95" in run.line
+    assert "rad/s (certificate 40.2906); give the specification `sampling" in run.line
+    assert "bandwidth attenuation           required  lost on [0, 18.95" in run.out
     assert "not written (--force)" in run.line
     assert not (tmp_path / "x").exists()
     forced = robimp("export", TIGHT, "--target", "json", "--rate", "1000", "-o", tmp_path, "--force", "--json")
