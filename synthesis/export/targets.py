@@ -22,7 +22,7 @@ from ...models.rational import exact, to_float
 from ..errors import InputError
 from ..problem.setting import LOAD, Setting
 from ..spec import number_text
-from .carried import Carried
+from .carried import Carried, lost, verdict
 from .law import Law
 from .motion import Motion
 from .sections import DTYPE
@@ -54,6 +54,11 @@ class Subject:
     def name(self) -> str:
         """The specification's."""
         return self.setting.spec.name
+
+    @property
+    def verdict(self) -> str:
+        """First of all in every file: whether every required claim holds, and what is lost."""
+        return f"{verdict(self.carried)}, at {float(self.law.rate):g} Hz"
 
     @property
     def identifier(self) -> str:
@@ -121,7 +126,9 @@ def _c(subject: Subject) -> dict[str, str]:
         "prewarp": f"{law.prewarp:.6g}",
         "timing": subject.timing,
         "delay": f"{float(subject.delay):g}" if subject.delay else "",
-        "claims": [each.line.replace("*/", "") for each in subject.carried],
+        "verdict": _ascii(subject.verdict),
+        "lost": bool(lost(subject.carried)),
+        "claims": [_ascii(each.line).replace("*/", "") for each in subject.carried],
         "filters": filters,
         "has": {name: len(cascade.sections) for name, cascade in law.filters.items()},
         "settles": bool(law.compensator.sections) and len(filters) > 1,
@@ -135,6 +142,11 @@ def _c(subject: Subject) -> dict[str, str]:
         "angle": angle,
     }
     return {f"{p}.{end}": _rendered(f"controller.{end}.j2", words) for end in ("h", "c")}
+
+
+def _ascii(text: str) -> str:
+    """For compilers and consoles that read no more."""
+    return text.replace("ω", "omega").replace("≥", ">=")
 
 
 def _stiffness(g: DynamicStiffness, literal: Callable[[float], str]) -> list[str]:
@@ -190,6 +202,7 @@ def document(subject: Subject) -> dict[str, Any]:
     """`export.json`: the law, every number as the text that stands for it exactly, and the claims."""
     law = subject.law
     return {
+        "verdict": subject.verdict,
         "robimp_export": 1,
         "name": subject.name,
         "certificate": subject.certificate,

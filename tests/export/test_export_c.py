@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import cycle
 from pathlib import Path
@@ -192,6 +192,21 @@ def test_halves_of_two_exports_do_not_compile(tmp_path: Path) -> None:
     assert made.compiled("joint.c", "-c").returncode == 0
     (tmp_path / "joint.c").write_bytes(source)
     assert "two different exports" in made.compiled("joint.c", "-c").stderr
+
+
+def test_a_lost_claim_is_a_macro_and_a_note_of_the_compiler(tmp_path: Path) -> None:
+    """A note, for under -Werror a warning would forbid what --force was asked to allow."""
+    made = built(tmp_path, JOINT)
+    done = made.compiled("joint.c", "-c")
+    assert done.returncode == 0
+    assert "NOT PROVEN: eq12 structured not re-proven" in done.stderr
+    body = "double lost = JOINT_NOT_PROVEN; fwrite(&lost, sizeof lost, 1, stdout);"
+    assert made.run(body, np.zeros(1)).tolist() == [1]
+    proven = replace(made.subject, carried=())
+    for file, content in files_of(proven, "c").items():
+        (tmp_path / file).write_text(content, encoding="utf-8")
+    assert made.compiled("joint.c", "-c").stderr == ""
+    assert "NOT_PROVEN" not in (tmp_path / "joint.h").read_text(encoding="utf-8")
 
 
 def test_reset_starts_again(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ import json
 import runpy
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from ruamel.yaml import YAML
 from robimp.models.rational import to_float
 from robimp.synthesis.errors import ExitCode, InputError, MismatchError, RefutedError
 from robimp.synthesis.export import Exported, export
+from robimp.synthesis.export.targets import files_of
 
 CONTINUOUS, SAMPLED = GOLDEN / "haninger2016-paper.json", GOLDEN / "sampled-range.json"
 TIGHT = GOLDEN / "haninger2016.json"
@@ -67,6 +69,19 @@ def test_a_lost_claim_is_exit_4_and_no_file_unless_forced(tmp_path: Path) -> Non
     assert (eq12["status"], eq12["margin"]) == ("refuted", None)
     assert 50 < Fraction(eq12["refuted_at_omega"]) < 60
     assert json.loads((tmp_path / "export.json").read_bytes())["claims"] == said["claims"]
+
+
+@pytest.mark.parametrize("target", ["c", "json", "control", "ros2"])
+def test_every_file_says_first_whether_it_is_proven(exported: Exported, target: str) -> None:
+    """What is written with --force is a file like any other, and goes from hand to hand."""
+    subject = exported.subject
+    lost = tuple(replace(each, claim=None) if each.id == "eq12" else each for each in subject.carried)
+    for claims, begin in ((subject.carried, "PROVEN: "), (lost, "NOT PROVEN: eq12 structured not re-proven; ")):
+        for name, text in files_of(replace(subject, carried=claims), target).items():
+            first = text.splitlines()[1 if name.endswith("json") else 0]
+            assert first.lstrip(' "').removeprefix('verdict": "').lstrip("/*# ").startswith(begin), name
+            assert "What is proven" not in text
+            assert ("NOT PROVEN" in text or "_NOT_PROVEN 1" in text) is (claims is lost)
 
 
 @pytest.mark.parametrize(
