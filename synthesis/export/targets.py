@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from hashlib import sha256
 from importlib.resources import files
-from keyword import iskeyword
 from math import inf
 from typing import Any
 
@@ -25,6 +23,7 @@ from ..spec import number_text
 from .carried import Carried, lost, verdict
 from .law import Law
 from .motion import Motion
+from .naming import identifier, remark
 from .sections import DTYPE
 
 LAW = (
@@ -32,10 +31,6 @@ LAW = (
     "dI, dB, dK: nominal minus desired; q = z^-1, r of error (of compensated for M_d, V_d, A_d): M = ((1 + q)/2)^r, "
     "V = velocity (1 - q) times 3 - q, 1, 1 + q for r = 0, 1, 2, A = acceleration (1 - q)^2"
 )
-OTHERS = re.compile(r"[^A-Za-z0-9_]+")
-WORDS_OF_C = """auto break case char const continue default do double else enum extern float for goto if inline int long
-register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while"""
-TAKEN = {*WORDS_OF_C.split(), "real", "filtered", "zeroed", "settled", "started", "control", "main"}
 
 
 @dataclass(frozen=True)
@@ -63,8 +58,12 @@ class Subject:
     @property
     def identifier(self) -> str:
         """The same as an identifier of C and of Python."""
-        plain = OTHERS.sub("_", self.name).strip("_").lower()
-        return plain if plain[:1].isalpha() and plain not in TAKEN and not iskeyword(plain) else f"joint_{plain}"
+        return identifier(self.name)
+
+    @property
+    def remark(self) -> str:
+        """The same within comments and messages."""
+        return remark(self.name)
 
     @property
     def delay(self) -> Fraction:
@@ -105,7 +104,7 @@ def _c(subject: Subject) -> dict[str, str]:
     ranges = subject.setting.impedances
     torque, angle = ("N*m", "rad") if spec.motion == "rotary" else ("N", "m")
     words: dict[str, Any] = {
-        "name": subject.name,
+        "name": subject.remark,
         "file": p,
         "stamp": sha256(_json_text(subject).encode()).hexdigest()[:8],
         "p": p,

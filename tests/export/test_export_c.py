@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
 from dataclasses import dataclass, replace
@@ -117,7 +118,8 @@ class Built:
 
 
 def built(folder: Path, text: str, precision: str = "double", name: str = "joint") -> Built:
-    setting = setting_of(replaced(text, ("name: joint", f"name: {name}")))
+    setting = setting_of(text)
+    setting = replace(setting, spec=setting.spec.model_copy(update={"name": name}))
     claim = Carried("eq12", "structured", True, None, None, "a note with */ in it")
     subject = Subject(setting, law_of(setting, precision, 20.0), (claim,), "c0ffee", "5bec", False, "0")
     for file, content in files_of(subject, "c").items():
@@ -295,13 +297,27 @@ def test_every_structure_compiles_as_c_and_its_header_as_cpp(tmp_path: Path, bas
 
 @pytest.mark.parametrize(
     ("name", "identifier"),
-    [("ur5-wrist", "ur5_wrist"), ("4th", "joint_4th"), ("double", "joint_double"), ("UR5", "ur5")],
+    [
+        ("ur5-wrist", "ur5_wrist"),
+        ("UR5", "ur5"),
+        ("4th", "joint_4th"),
+        ("épaule", "epaule"),
+        ("手首", "joint_b8222245"),
+        ("x" * 300, "x" * 31 + "_0d4e2ca9"),
+        ("size_t", "joint_size_t"),
+        ("*/ #error \\", "error"),
+        *(
+            (taken, f"joint_{taken}")
+            for taken in ("double", "true", "bool", "new", "int", "stdio", "sin", "c", "linux")
+        ),
+    ],
 )
-def test_every_name_of_a_joint_compiles(tmp_path: Path, name: str, identifier: str) -> None:
-    built(tmp_path, JOINT, name=name)
-    assert sorted(file.name for file in tmp_path.iterdir()) == sorted(
-        ["export.json", *(f"{identifier}.{e}" for e in "ch")]
-    )
-    made = Built(tmp_path, None).compiled(f"{identifier}.c", "-c")  # type: ignore[arg-type]
-    assert made.returncode == 0, made.stderr
+def test_every_name_of_a_joint_compiles_in_c_and_cpp(tmp_path: Path, name: str, identifier: str) -> None:
+    made = built(tmp_path, JOINT, name=name)
+    assert {file.name for file in tmp_path.iterdir()} == {"export.json", f"{identifier}.c", f"{identifier}.h"}
+    for done in (made.compiled(f"{identifier}.c", "-c"), made.header_in_cpp(f"{identifier}.h")):
+        assert done.returncode == 0, done.stderr
+    wrong = made.compiled(f"{identifier}.c", "-c", "-DROBIMP_RATE_MILLIHZ=1")
+    assert "this control loop runs at another rate" in wrong.stderr
+    assert json.loads((tmp_path / "export.json").read_bytes())["name"] == name
     assert "c0ffee" in (tmp_path / f"{identifier}.h").read_text(encoding="utf-8")
