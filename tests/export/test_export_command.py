@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -103,6 +104,18 @@ def test_every_file_says_first_whether_it_is_proven(exported: Exported, target: 
 def test_what_cannot_be_used_is_one_clear_line(arguments: list[str | Path], expected: str, tmp_path: Path) -> None:
     assert expected in refused(ExitCode.INPUT, "export", *arguments, "-o", tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("rate", ["5 Hz", "5", 5, 5.0, Fraction(5)])
+def test_a_rate_is_a_number_or_a_text(rate: str | float | Fraction) -> None:
+    with pytest.raises(InputError, match="--rate 5 Hz is too low for a bandwidth"):
+        export(CONTINUOUS, rate=rate)
+
+
+@pytest.mark.parametrize("rate", ["1 kg", "often", float("nan"), float("inf"), [1000], 0, "-5"])
+def test_a_rate_that_is_none_is_an_input_error(rate: Any) -> None:
+    with pytest.raises(InputError, match="--rate: "):
+        export(CONTINUOUS, rate=rate)
 
 
 def test_a_certificate_that_does_not_check_is_not_exported(tmp_path: Path) -> None:
