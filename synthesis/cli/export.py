@@ -89,4 +89,6 @@ def _lost(done: Exported) -> str:
         if done.subject.assumed_hold
         else "ask the specification for some room, such as eq12: {form: structured, margin: 0.01}, or a higher rate"
     )
+    if done.law.precision == "float":
+        advice = f"try --precision double, or {advice}"
     return f"at this rate not proven: {', '.join(short)}; {advice}"

@@ -16,6 +16,7 @@ from ..problem.setting import LOAD
 from ..spec import number_text
 
 LEFT, LOST = "not re-proven", "lost"
+DECAY = "sampled"  # form of the claims whose margin is a rate of decay [1/s]; the certificate has none to compare
 KEPT = Fraction(99, 100)  # of the certificate's ω_B; measured: a hold at 1 kHz costs 0.2 to 0.4 % of 9 to 18 rad/s
 
 
@@ -57,20 +58,27 @@ class Carried:
     def line(self) -> str:
         """For people: the claim, its status and margin, and where it fails."""
         kind = f"{self.id} {self.form}".ljust(31)
-        role = "required" if self.required else "reported"
-        text = f"{kind} {role}  {self.status}"
+        return f"{kind} {'required' if self.required else 'reported'}  {self.said}"
+
+    @property
+    def said(self) -> str:
+        """Status and margin, and where the claim fails."""
         if self.claim is None:
-            return f"{text}: {self.note}"
-        low, high = self.claim.interval
-        span = f"on [{float(low):.6g}, {float(high):.6g}] rad/s" if high is not None else ""
-        if self.claim.status is Outcome.PROVEN and self.claim.margin is not None:
-            was = "" if self.certified is None else f" (certificate {float(self.certified):.6g})"
-            text += f" {span} margin {float(self.claim.margin):.6g}{was}"
-            if self.status == LOST:
-                text += f": {float(self.share):.2%} is left, {float(KEPT):.2%} is asked for"
-        elif self.claim.refuted_at is not None and self.claim.refuted_at.witness is not None:
-            text += _where(self.claim.refuted_at.witness)
+            return f"{self.status}: {self.note}"
+        text = self.status + self._margin(self.claim)
         return f"{text}: {self.note}" if self.note else text
+
+    def _margin(self, claim: Claim) -> str:
+        low, high = claim.interval
+        if claim.status is not Outcome.PROVEN or claim.margin is None:
+            witness = None if claim.refuted_at is None else claim.refuted_at.witness
+            return "" if witness is None else _where(witness)
+        if claim.form == DECAY:
+            return f" decay ≥ {_at_least(claim.margin)} /s"
+        span = f"on [{float(low):.6g}, {float(high):.6g}] rad/s" if high is not None else ""
+        was = "" if self.certified is None else f" (certificate {float(self.certified):.6g})"
+        left = f": {float(self.share):.2%} is left, {float(KEPT):.2%} is asked for" if self.status == LOST else ""
+        return f" {span} margin {float(claim.margin):.6g}{was}{left}"
 
     def to_json(self) -> dict[str, object]:
         """Exact texts, as in a certificate."""
@@ -89,6 +97,11 @@ class Carried:
             found["refuted_at_load"] = None if load is None else _numbers(load)
         found["note"] = self.note
         return found
+
+
+def _at_least(margin: Fraction) -> str:
+    """Six digits, rounded down."""
+    return f"{float(short(float(margin), up=False)):g}"
 
 
 def _where(witness: Witness) -> str:
@@ -110,7 +123,7 @@ def lost(carried: Sequence[Carried]) -> list[Carried]:
 def bandwidth(carried: Sequence[Carried]) -> str:
     """ω_B of the exported controller beside the certificate's; nothing where no claim speaks of it."""
     texts = (
-        f"ω_B ≥ {float(short(float(each.claim.margin), up=False)):g} rad/s (certificate {float(each.certified):.6g})"
+        f"ω_B ≥ {_at_least(each.claim.margin)} rad/s (certificate {float(each.certified):.6g})"
         for each in carried
         if each.is_bandwidth and each.claim and each.claim.margin and each.certified
     )

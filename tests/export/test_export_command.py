@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import json
+import re
 import runpy
 import sys
 from collections.abc import Iterator
@@ -60,6 +61,10 @@ def test_a_lost_claim_is_exit_4_and_no_file_unless_forced(tmp_path: Path) -> Non
     assert "not proven: eq12 structured, bandwidth attenuation, ω_B ≥ 18.95" in run.line
     assert "rad/s (certificate 40.2906); give the specification `sampling" in run.line
     assert "bandwidth attenuation           required  lost on [0, 18.95" in run.out
+    assert "--precision" not in run.line
+    assert re.search(r"stability-free \w+ +required  proven decay ≥ \d+\.\d+ /s$", run.out, re.MULTILINE)
+    single = robimp("export", TIGHT, "--target", "c", "--rate", "1000", "--precision", "float", "-o", tmp_path / "x")
+    assert "; try --precision double, or give the specification" in single.line
     assert "not written (--force)" in run.line
     assert not (tmp_path / "x").exists()
     forced = robimp("export", TIGHT, "--target", "json", "--rate", "1000", "-o", tmp_path, "--force", "--json")
