@@ -15,12 +15,14 @@ from ...models.sampling import Hold
 from ..check import check_bytes
 from ..errors import ExitCode, InputError, Location, MismatchError, RefutedError, RobimpError, UndecidedError
 from ..interruption import demanding
+from ..notebook import card
 from ..problem.setting import Setting
+from ..report.cards import tone
 from ..spec import from_canonical
 from ..spec.model import Polynomials
 from ..spec.units import RATE, parse_quantity
 from ..storage import write_atomic
-from .carried import Carried, exit_code, lost
+from .carried import Carried, bandwidth, exit_code, lost
 from .law import Law, discretised
 from .proofs import carried_over
 from .sections import DTYPE, Sections
@@ -44,6 +46,18 @@ class Exported:
         missing = ", ".join(f"{each.id} {each.form}" for each in lost(self.claims))
         found = f"not proven: {missing}" if missing else "every required claim proven"
         return f"<Exported {self.subject.name}: {float(self.law.rate):g} Hz, {self.law.precision}, {found}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("law", f"{float(self.law.rate):g} Hz, {self.law.precision} precision"),
+            ("timing", self.subject.timing),
+            ("bandwidth", bandwidth(self.claims)),
+            ("certificate", self.subject.certificate),
+        ]
+        claims = [(each.id, each.form, "required" if each.required else "reported", each.said) for each in self.claims]
+        badge = "NOT PROVEN" if lost(self.claims) else "PROVEN"
+        headings = ("claim", "form", "role", "for this code")
+        return card(self.subject.name, badge, tone(self.exit_code), rows, (headings, claims))
 
     @property
     def law(self) -> Law:

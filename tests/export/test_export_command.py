@@ -23,6 +23,7 @@ from robimp.models.rational import to_float
 from robimp.synthesis.errors import ExitCode, InputError, MismatchError, RefutedError
 from robimp.synthesis.export import Exported, export
 from robimp.synthesis.export.targets import files_of
+from robimp.synthesis.notebook import TONES
 
 CONTINUOUS, SAMPLED = GOLDEN / "haninger2016-paper.json", GOLDEN / "sampled-range.json"
 TIGHT = GOLDEN / "haninger2016.json"
@@ -161,6 +162,18 @@ def test_every_required_claim_of_a_sampled_range_carries_over_in_single_precisio
     asked = {(c["id"], c["form"]) for c in certificate["claims"] if c["required"]} - {("tolerance", "coefficients")}
     assert required == dict.fromkeys(asked, "proven")
     assert "a hold and 0.001 s of computation delay" in sampled.files[f"{sampled.subject.identifier}.h"]
+
+
+def test_in_a_notebook_it_is_a_card(exported: Exported) -> None:
+    proven = exported._repr_html_()
+    for text in (">PROVEN<", "ω_B ≥ 8.86146 rad/s (certificate 8.87572)", "eq12", "1000 Hz, double", TONES["good"]):
+        assert text in proven
+    none = tuple(replace(each, claim=None, note="<b>") for each in exported.claims)
+    lost = replace(exported, subject=replace(exported.subject, carried=none))._repr_html_()
+    assert ">NOT PROVEN<" in lost
+    assert TONES["open"] in lost
+    assert "not re-proven: &lt;b&gt;" in lost
+    assert "ω_B ≥" not in lost
 
 
 def test_control_objects_are_the_law(exported: Exported, tmp_path: Path) -> None:
