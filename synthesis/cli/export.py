@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ..errors import ExitCode, InputError
+from ..errors import ExitCode
 from .common import Json, certificate_bytes, complain, dumped, finish, located, say
 
 if TYPE_CHECKING:
@@ -31,7 +30,9 @@ def export(
     precision: Annotated[str, typer.Option(metavar="P", help="double or float.")] = "double",
     output: Output = None,
     force: Annotated[bool, typer.Option("--force", help="Write the files although a required claim is lost.")] = False,
-    time_limit: Annotated[float, typer.Option(metavar="SECONDS", min=0.01, help="For the check.")] = 60.0,
+    time_limit: Annotated[
+        float, typer.Option(metavar="SECONDS", min=0.01, help="For the check, not the proofs.")
+    ] = 60.0,
     as_json: Json = False,
 ) -> None:
     """Write a certified controller as discrete sections; what was certified is proven again for exactly these."""
@@ -48,7 +49,7 @@ def export(
         done = exported(
             data,
             target=target,
-            rate=_rate(rate),
+            rate=rate,
             precision=precision,
             time_limit=time_limit,
             progress=progress,
@@ -65,17 +66,11 @@ def export(
     finish([done.exit_code])
 
 
-def _rate(text: str | None) -> Fraction | None:
-    from ..spec.units import RATE, parse_quantity
-
-    try:
-        return None if text is None else parse_quantity(text, RATE)
-    except ValueError as error:
-        raise InputError(f"--rate: {error}") from error
-
-
 def _say(done: Exported, written: list[str]) -> None:
-    say(f"{'PROVEN' if done.exit_code == ExitCode.PROVEN else 'LOST'}  {done.subject.name}  {done.subject.timing}")
+    from ..export.carried import bandwidth
+
+    word = "PROVEN" if done.exit_code == ExitCode.PROVEN else "LOST"
+    say(f"{word}  {done.subject.name}  {bandwidth(done.claims)}; {done.subject.timing}")
     for claim in done.claims:
         say(f"  {claim.line}")
     for path in written:
@@ -83,10 +78,17 @@ def _say(done: Exported, written: list[str]) -> None:
 
 
 def _lost(done: Exported) -> str:
-    short = [f"{each.id} {each.form}" for each in done.claims if each.required and each.status != "proven"]
+    from ..export.carried import LOST, bandwidth, lost
+
+    short = [
+        f"{each.id} {each.form}" + (f", {bandwidth([each])}" if each.status == LOST else "")
+        for each in lost(done.claims)
+    ]
     advice = (
         "give the specification `sampling: {rate: …, delay: …}` and synthesise again: then the hold is certified, too"
         if done.subject.assumed_hold
         else "ask the specification for some room, such as eq12: {form: structured, margin: 0.01}, or a higher rate"
     )
+    if done.law.precision == "float":
+        advice = f"try --precision double, or {advice}"
     return f"at this rate not proven: {', '.join(short)}; {advice}"

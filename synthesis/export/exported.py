@@ -15,11 +15,14 @@ from ...models.sampling import Hold
 from ..check import check_bytes
 from ..errors import ExitCode, InputError, Location, MismatchError, RefutedError, RobimpError, UndecidedError
 from ..interruption import demanding
+from ..notebook import card
 from ..problem.setting import Setting
+from ..report.cards import tone
 from ..spec import from_canonical
 from ..spec.model import Polynomials
+from ..spec.units import RATE, parse_quantity
 from ..storage import write_atomic
-from .carried import Carried, exit_code
+from .carried import Carried, bandwidth, exit_code, lost
 from .law import Law, discretised
 from .proofs import carried_over
 from .sections import DTYPE, Sections
@@ -40,9 +43,21 @@ class Exported:
     target: str
 
     def __repr__(self) -> str:
-        lost = [f"{each.id} {each.form}" for each in self.claims if each.required and each.status != "proven"]
-        found = f"not proven: {', '.join(lost)}" if lost else "every required claim proven"
+        missing = ", ".join(f"{each.id} {each.form}" for each in lost(self.claims))
+        found = f"not proven: {missing}" if missing else "every required claim proven"
         return f"<Exported {self.subject.name}: {float(self.law.rate):g} Hz, {self.law.precision}, {found}>"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("law", f"{float(self.law.rate):g} Hz, {self.law.precision} precision"),
+            ("timing", self.subject.timing),
+            ("bandwidth", bandwidth(self.claims)),
+            ("certificate", self.subject.certificate),
+        ]
+        claims = [(each.id, each.form, "required" if each.required else "reported", each.said) for each in self.claims]
+        badge = "NOT PROVEN" if lost(self.claims) else "PROVEN"
+        headings = ("claim", "form", "role", "for this code")
+        return card(self.subject.name, badge, tone(self.exit_code), rows, (headings, claims))
 
     @property
     def law(self) -> Law:
@@ -96,7 +111,7 @@ def export(
     certificate: str | Path | bytes,
     *,
     target: str = "c",
-    rate: Fraction | int | None = None,
+    rate: Fraction | float | str | None = None,
     precision: str = "double",
     time_limit: float = 60.0,
     progress: Progress = lambda _: None,
@@ -106,9 +121,10 @@ def export(
     Args:
         certificate: a file, or its bytes; it is checked first.
         target: `c`, `json`, `control` or `ros2`.
-        rate: samples per second [Hz]; needed where the specification has no `sampling`, which otherwise decides.
+        rate: samples per second [Hz], or a text such as "1 kHz"; needed where the specification has no `sampling`,
+            which otherwise decides.
         precision: `double` or `float`, of the coefficients and of the C code.
-        time_limit: for the check [s].
+        time_limit: for the check [s]; the proofs for the discrete controller, which follow, have none.
         progress: called with what is being done.
 
     Returns: the export, whose `exit_code` says whether every required claim carried over; nothing is written yet.
@@ -117,7 +133,7 @@ def export(
     MismatchError for a certificate that does not check.
 
     >>> from robimp.synthesis.export import export
-    >>> done = export("certificate.json", target="c", rate=1000)
+    >>> done = export("certificate.json", target="c", rate="1 kHz")
     >>> done
     <Exported haninger2016-paper: 1000 Hz, double, every required claim proven>
     >>> sorted(done.files)
@@ -127,6 +143,7 @@ def export(
     """
     _demand(target in TARGETS, f"--target: expected {', '.join(TARGETS)}; found {target}")
     _demand(precision in DTYPE, f"--precision: expected {', '.join(DTYPE)}; found {precision}")
+    hertz = _rate(rate)
     progress = demanding(progress)
     data = certificate if isinstance(certificate, bytes) else _read(Path(certificate))
     progress("checking the certificate")
@@ -135,11 +152,11 @@ def export(
         raise CODES.get(checked.exit_code, RobimpError)(f"not exported, it does not check: {checked.message}")
     content = json.loads(data)
     spec = from_canonical(content["spec"])
-    setting, rate = _sampled(Setting.of(spec), rate)
-    demand_rate(target, rate)
+    setting, hertz = _sampled(Setting.of(spec), hertz)
+    demand_rate(target, hertz)
     coefficients = _coefficients(content["controller"]["Q" if spec.controller.type == "dob" else "C"])
     C = setting.compensator(coefficients)
-    law = discretised(setting, C, rate, precision, float(Fraction(content["bandwidth"]["proven"])))
+    law = discretised(setting, C, hertz, precision, float(Fraction(content["bandwidth"]["proven"])))
     carried = carried_over(setting, C, law, content["claims"], progress)
     return Exported(
         Subject(
@@ -162,7 +179,19 @@ def _read(path: Path) -> bytes:
         raise InputError(f"file: cannot be read: {error.strerror or error}", Location(str(path))) from error
 
 
-def _sampled(setting: Setting, rate: Fraction | int | None) -> tuple[Setting, Fraction]:
+def _rate(given: Fraction | float | str | None) -> Fraction | None:
+    """Samples per second [Hz] of a number or a text. Raises: InputError."""
+    if given is None:
+        return None
+    try:
+        rate = parse_quantity(given, RATE) if isinstance(given, str) else Fraction(given)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"--rate: {error}") from error
+    _demand(rate > 0, "--rate: expected samples per second, above 0")
+    return rate
+
+
+def _sampled(setting: Setting, rate: Fraction | None) -> tuple[Setting, Fraction]:
     """The setting with the hold of the exported controller, and its rate [Hz]. Raises: InputError."""
     sampling = setting.spec.sampling
     if sampling is not None:
@@ -176,10 +205,9 @@ def _sampled(setting: Setting, rate: Fraction | int | None) -> tuple[Setting, Fr
         raise InputError(
             "--rate: the specification has no `sampling`; say the rate of your control loop, --rate '1 kHz'"
         )
-    _demand(rate > 0, "--rate: expected samples per second, above 0")
-    hold = Hold(1 / exact(Fraction(rate)), exact(0))
+    hold = Hold(1 / exact(rate), exact(0))
     loop = replace(setting.loop, actuator=replace(setting.loop.actuator, hold=hold))
-    return replace(setting, loop=loop), Fraction(rate)
+    return replace(setting, loop=loop), rate
 
 
 def _coefficients(written: dict[str, list[str]]) -> Polynomials:

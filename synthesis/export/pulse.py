@@ -24,6 +24,7 @@ from ..certificate.stability import MODES
 from ..certificate.witness import short
 from ..problem.constraints.inequality import WHOLE
 from ..problem.setting import Setting
+from .carried import DECAY
 from .law import Law
 from .schur import is_schur
 
@@ -120,7 +121,7 @@ def prove_sampled(setting: Setting, law: Law, end: str) -> Claim:
     return Claim(
         id=f"stability-{end}",
         equation=MODES[end][0],
-        form="sampled",
+        form=DECAY,
         statement=f"{MODES[end][1]} of the sampled loop decays faster than exp(−v·t), nominal load, aliases included",
         uncertainty="none: nominal load",
         interval=WHOLE,

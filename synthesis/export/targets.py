@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from hashlib import sha256
 from importlib.resources import files
-from keyword import iskeyword
+from math import inf
 from typing import Any
 
+import numpy as np
+from flint import fmpq
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from ...models.impedance import DynamicStiffness
-from ...models.rational import to_float
+from ...models.rational import exact, to_float
 from ..errors import InputError
 from ..problem.setting import LOAD, Setting
 from ..spec import number_text
-from .carried import Carried
+from .carried import Carried, lost, verdict
 from .law import Law
 from .motion import Motion
+from .naming import identifier, remark
 from .sections import DTYPE
 
 LAW = (
@@ -29,10 +31,6 @@ LAW = (
     "dI, dB, dK: nominal minus desired; q = z^-1, r of error (of compensated for M_d, V_d, A_d): M = ((1 + q)/2)^r, "
     "V = velocity (1 - q) times 3 - q, 1, 1 + q for r = 0, 1, 2, A = acceleration (1 - q)^2"
 )
-OTHERS = re.compile(r"[^A-Za-z0-9_]+")
-WORDS_OF_C = """auto break case char const continue default do double else enum extern float for goto if inline int long
-register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while"""
-TAKEN = {*WORDS_OF_C.split(), "real", "filtered", "zeroed", "settled", "started", "control", "main"}
 
 
 @dataclass(frozen=True)
@@ -53,10 +51,19 @@ class Subject:
         return self.setting.spec.name
 
     @property
+    def verdict(self) -> str:
+        """First of all in every file: whether every required claim holds, and what is lost."""
+        return f"{verdict(self.carried)}, at {float(self.law.rate):g} Hz"
+
+    @property
     def identifier(self) -> str:
         """The same as an identifier of C and of Python."""
-        plain = OTHERS.sub("_", self.name).strip("_").lower()
-        return plain if plain[:1].isalpha() and plain not in TAKEN and not iskeyword(plain) else f"joint_{plain}"
+        return identifier(self.name)
+
+    @property
+    def remark(self) -> str:
+        """The same within comments and messages."""
+        return remark(self.name)
 
     @property
     def delay(self) -> Fraction:
@@ -88,7 +95,7 @@ def files_of(subject: Subject, target: str) -> dict[str, str]:
 
 def _c(subject: Subject) -> dict[str, str]:
     law, spec, p = subject.law, subject.setting.spec, subject.identifier
-    literal = _literal(law.precision)
+    literal, decimal = _literal(law.precision), _decimal(law.precision)
     filters = [
         {"name": name, "sections": [[literal(b) for b in (s.b0, s.b1, s.b2, s.a1, s.a2)] for s in cascade.sections]}
         for name, cascade in law.filters.items()
@@ -97,7 +104,7 @@ def _c(subject: Subject) -> dict[str, str]:
     ranges = subject.setting.impedances
     torque, angle = ("N*m", "rad") if spec.motion == "rotary" else ("N", "m")
     words: dict[str, Any] = {
-        "name": subject.name,
+        "name": subject.remark,
         "file": p,
         "stamp": sha256(_json_text(subject).encode()).hexdigest()[:8],
         "p": p,
@@ -118,20 +125,27 @@ def _c(subject: Subject) -> dict[str, str]:
         "prewarp": f"{law.prewarp:.6g}",
         "timing": subject.timing,
         "delay": f"{float(subject.delay):g}" if subject.delay else "",
-        "claims": [each.line.replace("*/", "") for each in subject.carried],
+        "verdict": _ascii(subject.verdict),
+        "lost": bool(lost(subject.carried)),
+        "claims": [_ascii(each.line).replace("*/", "") for each in subject.carried],
         "filters": filters,
         "has": {name: len(cascade.sections) for name, cascade in law.filters.items()},
-        "settles": any(cascade.sections for name, cascade in law.filters.items() if name != "compensator"),
+        "settles": bool(law.compensator.sections) and len(filters) > 1,
         "nominal": _stiffness(law.nominal, literal),
         "desired": _stiffness(law.desired, literal),
         "back_calculation": literal(to_float(law.back_calculation)),
-        "ranges": {name: [literal(to_float(end)) for end in ends[:2]] for name, ends in ranges.items()},
+        "ranges": {name: [decimal(end) for end in inward(*ends[:2], law.precision)] for name, ends in ranges.items()},
         "ranges_text": ", ".join(f"{k} {to_float(v[0]):g} to {to_float(v[1]):g}" for k, v in ranges.items()),
         "fixed": [(k, i) for i, k in enumerate(LOAD) if k not in ranges],
         "torque": torque,
         "angle": angle,
     }
     return {f"{p}.{end}": _rendered(f"controller.{end}.j2", words) for end in ("h", "c")}
+
+
+def _ascii(text: str) -> str:
+    """For compilers and consoles that read no more."""
+    return text.replace("ω", "omega").replace("≥", ">=")
 
 
 def _stiffness(g: DynamicStiffness, literal: Callable[[float], str]) -> list[str]:
@@ -147,6 +161,21 @@ def _literal(precision: str) -> Callable[[float], str]:
     """A number of C to the last bit."""
     suffix = "f" if precision == "float" else ""
     return lambda value: float(DTYPE[precision](value)).hex() + suffix
+
+
+def _decimal(precision: str) -> Callable[[float], str]:
+    """The same where C++ reads it, too, in as many digits as tell it from its neighbours."""
+    digits, suffix = (8, "f") if precision == "float" else (16, "")
+    return lambda value: f"{value:.{digits}e}{suffix}"
+
+
+def inward(low: fmpq, high: fmpq, precision: str) -> tuple[float, float]:
+    """The smallest and the largest number of the code's arithmetic within a certified range."""
+    to = DTYPE[precision]
+    least, most = to(to_float(low)), to(to_float(high))
+    least = least if exact(float(least)) >= low else np.nextafter(least, to(inf))
+    most = most if exact(float(most)) <= high else np.nextafter(most, to(-inf))
+    return float(least), float(most)
 
 
 def _rendered(template: str, words: dict[str, Any]) -> str:
@@ -172,6 +201,7 @@ def document(subject: Subject) -> dict[str, Any]:
     """`export.json`: the law, every number as the text that stands for it exactly, and the claims."""
     law = subject.law
     return {
+        "verdict": subject.verdict,
         "robimp_export": 1,
         "name": subject.name,
         "certificate": subject.certificate,

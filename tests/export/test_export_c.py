@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import cycle
 from pathlib import Path
 
 import numpy as np
 import pytest
-from export_joints import JOINT, Drive, law_of, replaced, setting_of
+from export_joints import IDEAL, JOINT, Drive, law_of, replaced, setting_of
 
 from robimp.synthesis.export.carried import Carried
+from robimp.synthesis.export.sections import DTYPE
 from robimp.synthesis.export.targets import Subject, document, files_of
 from robimp.synthesis.simulation.sections import run
 
 COMPILER = shutil.which("gcc") or shutil.which("cc")
+CPP = shutil.which("g++") or shutil.which("c++")
 pytestmark = pytest.mark.skipif(COMPILER is None, reason="no C compiler here (gcc or cc)")
 STRICT = ["-Wall", "-Wextra", "-Werror", "-std=c99", "-pedantic", "-O2", "-ffp-contract=off"]
 SAMPLES = 1_000_000
@@ -32,9 +37,31 @@ JOINTS = {
     "a gain alone": replaced(
         JOINT, (PAPER, "{type: dynamic-feedback, coefficients: {numerator: [2.5], denominator: [1]}}")
     ),
+    "filters around a gain of 1": replaced(
+        JOINT,
+        (
+            PAPER,
+            "{type: dynamic-feedback, coefficients: {numerator: [1], denominator: [1]},"
+            " filters: {force: 1000, position: none, derivative: 1000}}",
+        ),
+    ),
     "range": replaced(JOINT, ("stiffness: 1.25}", "stiffness: [0.2, 10]}")),
     "another inertia": replaced(JOINT, ("{inertia: nominal,", "{inertia: 0.04,")),
 }
+FILTERS = [
+    "",
+    *(
+        f", filters: {{force: 400{p}{d}}}"
+        for p in ("", ", position: none", ", position: 500")
+        for d in ("", ", derivative: 700")
+    ),
+]
+STRUCTURES = [PAPER, ORDER_4] + [
+    f"{{type: dynamic-feedback, coefficients: {{numerator: {num}, denominator: {den}}}{filters}}}"
+    for num, den in (("[1]", "[1]"), ("[2.5]", "[1]"), ("[1, 90, 2000]", "[1, 40, 0]"))
+    for filters in FILTERS
+]
+STIFFNESSES = ("1.25", "[0.2, 10]")
 HARNESS = """
 #include "joint.c"
 #include <stdio.h>
@@ -73,13 +100,26 @@ class Built:
             [COMPILER, *STRICT, source, *options], cwd=self.folder, capture_output=True, text=True, check=False
         )
 
+    def header_in_cpp(self, header: str) -> subprocess.CompletedProcess[str]:
+        """A C++ translation unit with this header alone; where there is no C++ compiler, C has to do."""
+        (self.folder / "main.cpp").write_text(f'#include "{header}"\n', encoding="utf-8")
+        command = [CPP, "-std=c++98"] if CPP else [str(COMPILER), "-x", "c", "-std=c99"]
+        return subprocess.run(
+            [*command, "-Wall", "-Wextra", "-Werror", "-pedantic", "-fsyntax-only", "main.cpp"],
+            cwd=self.folder,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+
     @property
     def law(self) -> Drive:
         return Drive(document(self.subject), self.number)
 
 
 def built(folder: Path, text: str, precision: str = "double", name: str = "joint") -> Built:
-    setting = setting_of(replaced(text, ("name: joint", f"name: {name}")))
+    setting = setting_of(text)
+    setting = replace(setting, spec=setting.spec.model_copy(update={"name": name}))
     claim = Carried("eq12", "structured", True, None, None, "a note with */ in it")
     subject = Subject(setting, law_of(setting, precision, 20.0), (claim,), "c0ffee", "5bec", False, "0")
     for file, content in files_of(subject, "c").items():
@@ -156,6 +196,21 @@ def test_halves_of_two_exports_do_not_compile(tmp_path: Path) -> None:
     assert "two different exports" in made.compiled("joint.c", "-c").stderr
 
 
+def test_a_lost_claim_is_a_macro_and_a_note_of_the_compiler(tmp_path: Path) -> None:
+    """A note, for under -Werror a warning would forbid what --force was asked to allow."""
+    made = built(tmp_path, JOINT)
+    done = made.compiled("joint.c", "-c")
+    assert done.returncode == 0
+    assert "NOT PROVEN: eq12 structured not re-proven" in done.stderr
+    body = "double lost = JOINT_NOT_PROVEN; fwrite(&lost, sizeof lost, 1, stdout);"
+    assert made.run(body, np.zeros(1)).tolist() == [1]
+    proven = replace(made.subject, carried=())
+    for file, content in files_of(proven, "c").items():
+        (tmp_path / file).write_text(content, encoding="utf-8")
+    assert made.compiled("joint.c", "-c").stderr == ""
+    assert "NOT_PROVEN" not in (tmp_path / "joint.h").read_text(encoding="utf-8")
+
+
 def test_reset_starts_again(tmp_path: Path) -> None:
     made = built(tmp_path, JOINTS["every filter"])
     samples = np.random.default_rng(4).standard_normal((200, 2))
@@ -210,15 +265,59 @@ def test_only_certified_impedances_are_accepted(tmp_path: Path) -> None:
     assert made.run(body, np.zeros(1)).tolist() == [1] * 5
 
 
+@pytest.mark.parametrize("precision", DTYPE)
+@pytest.mark.parametrize("ends", ["[0.7, 1.25]", "[0.1, 0.3]", "[1/3, 2/3]", "[0.2, 10]"])
+def test_no_number_outside_the_certified_range_is_accepted(tmp_path: Path, ends: str, precision: str) -> None:
+    """The numbers of the code's arithmetic on both sides of each end, against the exact end."""
+    made = built(tmp_path, replaced(JOINT, ("stiffness: 1.25}", f"stiffness: {ends}}}")), precision)
+    low, high = (Fraction(end) for end in ends.strip("[]").split(", "))
+    near = [made.number(float(end)) for end in (low, high)]
+    tried = [np.nextafter(x, made.number(to)) for x in near for to in (-np.inf, np.inf)] + near
+    body = READ + "while (fread(x, sizeof x[0], 1, stdin)) "
+    body += (
+        "{ x[0] = joint_set_impedance(&c, c.inertia, c.damping, x[0]) == JOINT_OK; fwrite(x, sizeof x[0], 1, stdout); }"
+    )
+    expected = [float(low <= Fraction(float(x)) <= high) for x in tried]
+    assert made.run(body, np.array(tried)).tolist() == expected
+    assert 0 in expected
+    assert 1 in expected
+
+
+@pytest.mark.parametrize("base", [JOINT, IDEAL], ids=["series-elastic", "ideal"])
+def test_every_structure_compiles_as_c_and_its_header_as_cpp(tmp_path: Path, base: str) -> None:
+    """Gains, filters here and there, observers; in turn both precisions, with and without a range."""
+    for structure, precision, stiffness in zip(STRUCTURES, cycle(DTYPE), cycle(STIFFNESSES[:1] * 2 + STIFFNESSES[1:])):
+        made = built(tmp_path, replaced(base, (PAPER, structure), ("1.25", stiffness)), precision)
+        for done in (made.compiled("joint.c", "-O0", "-c"), made.header_in_cpp("joint.h")):
+            assert done.returncode == 0, f"{structure}: {done.stderr}"
+    broken = (tmp_path / "joint.c").read_text(encoding="utf-8") + "static void unused(void) {}\n"
+    (tmp_path / "joint.c").write_text(broken, encoding="utf-8")
+    assert "defined but not used" in made.compiled("joint.c", "-O0", "-c").stderr, "the control"
+
+
 @pytest.mark.parametrize(
     ("name", "identifier"),
-    [("ur5-wrist", "ur5_wrist"), ("4th", "joint_4th"), ("double", "joint_double"), ("UR5", "ur5")],
+    [
+        ("ur5-wrist", "ur5_wrist"),
+        ("UR5", "ur5"),
+        ("4th", "joint_4th"),
+        ("épaule", "epaule"),
+        ("手首", "joint_b8222245"),
+        ("x" * 300, "x" * 31 + "_0d4e2ca9"),
+        ("size_t", "joint_size_t"),
+        ("*/ #error \\", "error"),
+        *(
+            (taken, f"joint_{taken}")
+            for taken in ("double", "true", "bool", "new", "int", "stdio", "sin", "c", "linux")
+        ),
+    ],
 )
-def test_every_name_of_a_joint_compiles(tmp_path: Path, name: str, identifier: str) -> None:
-    built(tmp_path, JOINT, name=name)
-    assert sorted(file.name for file in tmp_path.iterdir()) == sorted(
-        ["export.json", *(f"{identifier}.{e}" for e in "ch")]
-    )
-    made = Built(tmp_path, None).compiled(f"{identifier}.c", "-c")  # type: ignore[arg-type]
-    assert made.returncode == 0, made.stderr
+def test_every_name_of_a_joint_compiles_in_c_and_cpp(tmp_path: Path, name: str, identifier: str) -> None:
+    made = built(tmp_path, JOINT, name=name)
+    assert {file.name for file in tmp_path.iterdir()} == {"export.json", f"{identifier}.c", f"{identifier}.h"}
+    for done in (made.compiled(f"{identifier}.c", "-c"), made.header_in_cpp(f"{identifier}.h")):
+        assert done.returncode == 0, done.stderr
+    wrong = made.compiled(f"{identifier}.c", "-c", "-DROBIMP_RATE_MILLIHZ=1")
+    assert "this control loop runs at another rate" in wrong.stderr
+    assert json.loads((tmp_path / "export.json").read_bytes())["name"] == name
     assert "c0ffee" in (tmp_path / f"{identifier}.h").read_text(encoding="utf-8")

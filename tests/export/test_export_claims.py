@@ -13,8 +13,9 @@ from export_joints import JOINT, compensator, in_q, law_of, replaced, setting_of
 from robimp.models.impedance import DynamicStiffness
 from robimp.models.rational import exact, to_float
 from robimp.synthesis.certificate.outcome import Outcome
+from robimp.synthesis.certificate.witness import short
 from robimp.synthesis.errors import ExitCode
-from robimp.synthesis.export.carried import LEFT, Carried, exit_code
+from robimp.synthesis.export.carried import LEFT, LOST, Carried, bandwidth, exit_code, verdict
 from robimp.synthesis.export.law import Law
 from robimp.synthesis.export.proofs import carried_over
 from robimp.synthesis.export.sections import Section, Sections
@@ -101,6 +102,22 @@ def test_a_claim_that_is_lost_is_refuted_with_its_frequency_and_what_still_holds
     held = float(lost.note.removeprefix("holds only with margin "))
     assert held == pytest.approx(passivity, rel=0.02)
     assert exit_code([lost]) is ExitCode.REFUTED
+
+
+@pytest.mark.parametrize(("certified", "status"), [(1.005, "proven"), (1.02, LOST)])
+def test_a_bandwidth_is_carried_over_only_if_almost_all_of_it_is(certified: float, status: str) -> None:
+    """0.99 of the certificate's ω_B; with less the export is refuted, and the figures are said."""
+    setting = setting_of(JOINT)
+    found = carried(setting, law_of(setting), ("bandwidth", "attenuation"))["bandwidth"]
+    assert found.claim is not None and found.claim.margin is not None
+    margin = short(float(found.claim.margin) * certified)
+    before = replace(found, certified=margin)
+    assert before.status == status
+    assert exit_code([before]) is (ExitCode.REFUTED if status == LOST else ExitCode.PROVEN)
+    reached = f"{float(short(float(found.claim.margin), up=False)):g}"
+    assert f"ω_B ≥ {reached} rad/s (certificate {float(margin):.6g})" in bandwidth([before])
+    assert verdict([before]).startswith("NOT PROVEN: bandwidth attenuation lost" if status == LOST else "PROVEN")
+    assert ("98.04% is left, 99.00% is asked for" in before.line) is (status == LOST)
 
 
 def test_a_wrong_coefficient_is_seen() -> None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import doctest
 import json
+import re
 import runpy
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,6 +22,8 @@ from ruamel.yaml import YAML
 from robimp.models.rational import to_float
 from robimp.synthesis.errors import ExitCode, InputError, MismatchError, RefutedError
 from robimp.synthesis.export import Exported, export
+from robimp.synthesis.export.targets import files_of
+from robimp.synthesis.notebook import TONES
 
 CONTINUOUS, SAMPLED = GOLDEN / "haninger2016-paper.json", GOLDEN / "sampled-range.json"
 TIGHT = GOLDEN / "haninger2016.json"
@@ -47,14 +52,20 @@ def test_a_passive_joint_stays_proven_at_its_rate(tmp_path: Path) -> None:
     assert certificate["end"]["body_sha256"] in header
     assert "eq12 structured                 required  proven on [0, 3110.18] rad/s margin" in header
     assert "assumed, as the specification has no sampling: a hold and no computation delay" in header
-    assert "PROVEN" in run.out
+    assert run.out.startswith("PROVEN  haninger2016-paper  ω_B ≥ 8.86146 rad/s (certificate 8.87572); assumed")
     assert run.err == ""
 
 
 def test_a_lost_claim_is_exit_4_and_no_file_unless_forced(tmp_path: Path) -> None:
     run = robimp("export", TIGHT, "--target", "c", "--rate", "1000", "-o", tmp_path / "x")
     assert run.code == ExitCode.REFUTED
-    assert "not proven: eq12 structured; give the specification `sampling" in run.line
+    assert "not proven: eq12 structured, bandwidth attenuation, ω_B ≥ 18.95" in run.line
+    assert "rad/s (certificate 40.2906); give the specification `sampling" in run.line
+    assert "bandwidth attenuation           required  lost on [0, 18.95" in run.out
+    assert "--precision" not in run.line
+    assert re.search(r"stability-free \w+ +required  proven decay ≥ \d+\.\d+ /s$", run.out, re.MULTILINE)
+    single = robimp("export", TIGHT, "--target", "c", "--rate", "1000", "--precision", "float", "-o", tmp_path / "x")
+    assert "; try --precision double, or give the specification" in single.line
     assert "not written (--force)" in run.line
     assert not (tmp_path / "x").exists()
     forced = robimp("export", TIGHT, "--target", "json", "--rate", "1000", "-o", tmp_path, "--force", "--json")
@@ -65,6 +76,19 @@ def test_a_lost_claim_is_exit_4_and_no_file_unless_forced(tmp_path: Path) -> Non
     assert (eq12["status"], eq12["margin"]) == ("refuted", None)
     assert 50 < Fraction(eq12["refuted_at_omega"]) < 60
     assert json.loads((tmp_path / "export.json").read_bytes())["claims"] == said["claims"]
+
+
+@pytest.mark.parametrize("target", ["c", "json", "control", "ros2"])
+def test_every_file_says_first_whether_it_is_proven(exported: Exported, target: str) -> None:
+    """What is written with --force is a file like any other, and goes from hand to hand."""
+    subject = exported.subject
+    lost = tuple(replace(each, claim=None) if each.id == "eq12" else each for each in subject.carried)
+    for claims, begin in ((subject.carried, "PROVEN: "), (lost, "NOT PROVEN: eq12 structured not re-proven; ")):
+        for name, text in files_of(replace(subject, carried=claims), target).items():
+            first = text.splitlines()[1 if name.endswith("json") else 0]
+            assert first.lstrip(' "').removeprefix('verdict": "').lstrip("/*# ").startswith(begin), name
+            assert "What is proven" not in text
+            assert ("NOT PROVEN" in text or "_NOT_PROVEN 1" in text) is (claims is lost)
 
 
 @pytest.mark.parametrize(
@@ -86,6 +110,18 @@ def test_a_lost_claim_is_exit_4_and_no_file_unless_forced(tmp_path: Path) -> Non
 def test_what_cannot_be_used_is_one_clear_line(arguments: list[str | Path], expected: str, tmp_path: Path) -> None:
     assert expected in refused(ExitCode.INPUT, "export", *arguments, "-o", tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("rate", ["5 Hz", "5", 5, 5.0, Fraction(5)])
+def test_a_rate_is_a_number_or_a_text(rate: str | float | Fraction) -> None:
+    with pytest.raises(InputError, match="--rate 5 Hz is too low for a bandwidth"):
+        export(CONTINUOUS, rate=rate)
+
+
+@pytest.mark.parametrize("rate", ["1 kg", "often", float("nan"), float("inf"), [1000], 0, "-5"])
+def test_a_rate_that_is_none_is_an_input_error(rate: Any) -> None:
+    with pytest.raises(InputError, match="--rate: "):
+        export(CONTINUOUS, rate=rate)
 
 
 def test_a_certificate_that_does_not_check_is_not_exported(tmp_path: Path) -> None:
@@ -126,6 +162,18 @@ def test_every_required_claim_of_a_sampled_range_carries_over_in_single_precisio
     asked = {(c["id"], c["form"]) for c in certificate["claims"] if c["required"]} - {("tolerance", "coefficients")}
     assert required == dict.fromkeys(asked, "proven")
     assert "a hold and 0.001 s of computation delay" in sampled.files[f"{sampled.subject.identifier}.h"]
+
+
+def test_in_a_notebook_it_is_a_card(exported: Exported) -> None:
+    proven = exported._repr_html_()
+    for text in (">PROVEN<", "ω_B ≥ 8.86146 rad/s (certificate 8.87572)", "eq12", "1000 Hz, double", TONES["good"]):
+        assert text in proven
+    none = tuple(replace(each, claim=None, note="<b>") for each in exported.claims)
+    lost = replace(exported, subject=replace(exported.subject, carried=none))._repr_html_()
+    assert ">NOT PROVEN<" in lost
+    assert TONES["open"] in lost
+    assert "not re-proven: &lt;b&gt;" in lost
+    assert "ω_B ≥" not in lost
 
 
 def test_control_objects_are_the_law(exported: Exported, tmp_path: Path) -> None:
