@@ -16,12 +16,21 @@ from ..simulation.adversary.delta import attack, reachable
 from ..simulation.adversary.finding import Finding, Side
 from ..simulation.adversary.loop import Array, Loop, free, locked
 from ..simulation.adversary.motion import left_alone
-from ..simulation.adversary.stretched import hardest, partner, ranges_stretched, stretch_to_yield, vertices, worst_rate
+from ..simulation.adversary.stretched import (
+    hardest,
+    partner,
+    ranges_stretched,
+    stretch_of,
+    stretch_to_yield,
+    vertices,
+    worst_rate,
+)
 from ..spec.model import IdealActuator, Spec
 from .proven import Subject, hints_of, load_of, member_of, nominal_load, witness_of
 
 BEYOND = 1.02  # times the level at which a claim fails: just outside
 WITHIN = 0.98
+ROUNDING = 1e-6  # relative, of a factor
 FURTHEST = 50.0  # times the proven factor: further out nothing is looked for
 
 
@@ -104,25 +113,24 @@ def _rate(spec: Spec, subject: Subject, end: str, stretch: Fraction) -> float:
 
 
 def _beyond_box(subject: Subject, claim: Claim, end: str) -> Iterator[Finding]:
-    """The joint of the witness, a little further from the nominal one."""
+    """The joint of the witness, a little further from the nominal one, and how far that really is."""
     witness = witness_of(claim)
     if witness is None or claim.refuted_at is None:
         return
-    C, margin, factor = subject.C, float(claim.margin or 0), BEYOND * float(claim.refuted_at.value)
+    C, margin, named = subject.C, float(claim.margin or 0), float(claim.refuted_at.value)
     spec = subject.spec
     if witness.impedance or witness.actuator:
-        at_witness = member_of(spec, witness).spec
-        spec = _further(spec, at_witness)
-    load = load_of(witness)
-    nominal = nominal_load(spec)
-    if end == "locked" or load is None:
-        loop = locked(spec, C) if end == "locked" else free(spec, C, nominal)
-    else:
-        loop = free(spec, C, nominal + BEYOND * (load - nominal))
-    found = left_alone(loop)
-    what = f"joint of the witness, {BEYOND} times as far: {loop.of}; grows by {found.rate:.3g} /s; factor on the box"
+        spec = _further(spec, member_of(spec, witness).spec)
+    load, nominal = load_of(witness), nominal_load(spec)
+    moved = nominal if load is None else nominal + BEYOND * (load - nominal)
+    loop = locked(spec, C) if end == "locked" else free(spec, C, moved)
+    found, stretch = left_alone(loop), stretch_of(subject.spec, spec, moved)
+    there = stretch <= BEYOND * named * (1 + ROUNDING)
+    what = f"joint of the witness, {BEYOND} times as far: {loop.of}; rate {found.rate:.3g} /s"
+    what += "; " if there else f"; not within {BEYOND} × the {named:.6g} where the claim says it fails; "
     yield Finding(
-        f"{claim.id} box", "outside", what, factor if found.grows else None, margin, found.grows or None
+        f"{claim.id} box", "outside", f"{what}factor on the box that holds it", stretch if found.grows else None,
+        margin, (found.grows and there) or None,
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from certified import golden
 
+from robimp.models.rational import fraction
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.challenge import challenge
 from robimp.synthesis.challenge.attack import NEAR
@@ -15,9 +16,11 @@ from robimp.synthesis.challenge.company import environments, friction, real_join
 from robimp.synthesis.challenge.levels import levels
 from robimp.synthesis.challenge.limits import boxes, deltas, discs, partners
 from robimp.synthesis.challenge.perturbed import compensator, tolerance
-from robimp.synthesis.challenge.proven import Subject
+from robimp.synthesis.challenge.proven import Subject, nominal_load
 from robimp.synthesis.errors import InputError
+from robimp.synthesis.simulation import members
 from robimp.synthesis.simulation.adversary.population import Reality, population
+from robimp.synthesis.simulation.adversary.stretched import stretch_of, vertices
 from robimp.synthesis.simulation.batch.switched import Imperfections
 
 FEW = {"haninger2016-paper": 40, "sampled-range": 19, "feedback-both": 12, "weight-disc": 12}
@@ -162,6 +165,41 @@ class TestFalseClaims:
         wish = wish.model_copy(update={"stiffness": Fraction(12), "damping": Fraction(1, 10)})
         found = list(environments(subject("haninger2016-paper", impedance=wish)))
         assert any(f.agrees is False for f in found) and all(f.side == "inside" for f in found)
+
+
+def claimed(name, id, form):
+    """One claim of a certificate."""
+    return next(c for c in golden(name).claims if (c.id, c.form) == (id, form))
+
+
+def twin(name, id, form, value):
+    """The certificate's claims, one of them with another level at which it is said to fail."""
+    return lying(name, id, form, refuted_at=replace(claimed(name, id, form).refuted_at, value=Fraction(value)))
+
+
+class TestJustOutside:
+    @pytest.mark.parametrize("value", ["1.2", "9"])
+    def test_the_stretch_is_that_of_the_joint_moved_whatever_the_claim_says(self, value):
+        """Nominal I = 0.03 ± 0.006: the witness's inertia, 1.02 times as far, tells the stretch."""
+        inertia = claimed("haninger2016-paper", "stability-free", "box").refuted_at.witness.load.inertia
+        (outside,) = [
+            f for f in boxes(twin("haninger2016-paper", "stability-free", "box", value)) if f.side != "inside"
+        ]
+        assert outside.measured == pytest.approx(1.02 * (0.03 - float(fraction(inertia))) / 0.006, rel=1e-6)
+
+    def test_a_joint_of_several_boxes_is_measured_by_the_parameter_furthest_out(self):
+        spec, nominal = golden("sampled-range").spec, nominal_load(golden("sampled-range").spec)
+        for k in (-2.0, 0.5, 3.0):
+            corner = vertices(spec, abs(k))[0 if k < 0 else -1]
+            assert stretch_of(spec, next(iter(members(spec))).spec, corner) == pytest.approx(abs(k))
+        wish = next(iter(members(spec))).spec.impedance
+        low, high = spec.impedance.stiffness
+        moved = wish.model_copy(update={"stiffness": high + (high - low)})  # two half-ranges beyond the end
+        joint = spec.model_copy(update={"impedance": moved})
+        assert stretch_of(spec, joint, vertices(spec, 2.0)[0]) == pytest.approx(3.0)
+        assert (
+            stretch_of(spec, next(iter(members(spec))).spec, nominal + np.array([0, 0, 1.0])) == np.inf
+        )  # K is certain
 
 
 class TestReality:

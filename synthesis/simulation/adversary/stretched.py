@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
+from math import inf
 
 import numpy as np
 
@@ -39,6 +40,32 @@ def ranges_stretched(spec: Spec, stretch: Fraction) -> Spec:
     if box is not None:
         uncertainty = uncertainty.model_copy(update={"actuator": box.model_copy(update=drive)})
     return spec.model_copy(update={"impedance": wish.model_copy(update=wider), "uncertainty": uncertainty})
+
+
+def stretch_of(spec: Spec, joint: Spec, load: Array) -> float:
+    """The factor by which the boxes must be stretched to hold a joint with a load (3,); inf outside every one of them.
+
+    The largest of |p − nominal| over the half-range on p's side, of every parameter of load, impedance and actuator.
+    """
+    plant, uncertain = spec.plant, spec.uncertainty
+    sides: list[tuple[float, float, Interval | None]] = [
+        (float(p), float(getattr(plant, name)), getattr(uncertain.box, name) if uncertain.box else None)
+        for name, p in zip(("inertia", "damping", "stiffness"), load, strict=True)
+    ]
+    for name, value in spec.impedance:
+        if isinstance(value, tuple):
+            sides.append((float(getattr(joint.impedance, name)), float(middle(value)), value))
+    for name, value in uncertain.actuator or ():
+        if value:
+            sides.append((float(getattr(joint.actuator, name)), float(getattr(spec.actuator, name)), value))
+    return max(_of_half(*side) for side in sides)
+
+
+def _of_half(p: float, nominal: float, interval: Interval | None) -> float:
+    if p == nominal:
+        return 0.0
+    half = abs(float(interval[p > nominal]) - nominal) if interval else 0.0
+    return abs(p - nominal) / half if half else inf
 
 
 def _wider(interval: Interval, about: Fraction, stretch: Fraction) -> Interval:
