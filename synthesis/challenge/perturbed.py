@@ -9,11 +9,11 @@ import numpy as np
 
 from ..simulation import Member, members
 from ..simulation.adversary import tones
-from ..simulation.adversary.finding import Finding
+from ..simulation.adversary.finding import Finding, outside
 from ..simulation.adversary.loop import Loop, free, locked
 from ..simulation.equations import Compensator
 from ..spec.model import Polynomials, Spec
-from .levels import LEVELS, Level, loops_of
+from .levels import LEVELS, NOISE, Level, loops_of
 from .proven import Subject, load_of, nominal_load, witness_of
 
 TRIED = 16  # sets of signs of the errors
@@ -100,12 +100,16 @@ def _met(
 
 
 def _outside(subject: Subject) -> Iterator[Finding]:
+    """The witness's controller, just outside the tolerance, at the frequency where it breaks a requirement."""
     claim = subject.claims["tolerance", "coefficients"]
-    witness = witness_of(claim)
-    if witness is None or witness.controller is None or witness.claim is None or witness.omega is None:
+    if claim.refuted_at is None:
         return
-    required, level = _required(subject, witness.claim), LEVELS.get(witness.claim)
-    if required is None or level is None or claim.refuted_at is None:
+    witness, margin = witness_of(claim), float(claim.margin or 0)
+    broken = witness.claim if witness is not None else None
+    required, level = (None, None) if broken is None else (_required(subject, broken), LEVELS.get(broken))
+    if witness is None or witness.controller is None or witness.omega is None or required is None or level is None:
+        why = f"no sine measures {' '.join(broken)} there" if broken else "the claim names no controller"
+        yield outside(NAME, "no controller to try", False, bound=margin, why=why)
         return
     member, C, load = subject.joints(claim)[0], compensator(subject.spec, witness.controller), load_of(witness)
     loop = (
@@ -114,9 +118,13 @@ def _outside(subject: Subject) -> Iterator[Finding]:
         else free(member.spec, C, nominal_load(member.spec) if load is None else load)
     )
     quantity, value = level.quantity(member.spec), float(claim.refuted_at.value)
-    seen = tones.measured(loop, quantity, float(witness.omega)).worse
+    what = f"witness's controller, {' '.join(witness.claim or ())}"
+    if not loop.poles.stable:
+        yield outside(NAME, f"{what}: unstable; relative error", True, measured=value, bound=margin)
+        return
+    seen = tones.measured(loop, quantity, float(witness.omega))
     sign = -1 if quantity.resists else 1
-    broken = seen > sign * required
-    what = f"witness's controller, {' '.join(witness.claim)} {sign * seen:.12g} where {required:.6g} is required"
-    margin = float(claim.margin or 0)
-    yield Finding(NAME, "outside", f"{what}; relative error", value if broken else None, margin, broken or None)
+    what += f" {sign * seen.worse:.12g} where {required:.6g} is required; relative error"
+    beyond = seen.worse - sign * required
+    why = "too near what is required to tell" if abs(beyond) <= (NOISE + 10 * seen.error) * seen.size else ""
+    yield outside(NAME, what, beyond > 0, measured=value, bound=margin, why=why)

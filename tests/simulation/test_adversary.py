@@ -9,6 +9,7 @@ import pytest
 from certified import golden
 
 from robimp.models.rational import fraction
+from robimp.synthesis.certificate.claim import Refutation
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.challenge import challenge
 from robimp.synthesis.challenge.attack import NEAR
@@ -185,7 +186,9 @@ class TestJustOutside:
         (outside,) = [
             f for f in boxes(twin("haninger2016-paper", "stability-free", "box", value)) if f.side != "inside"
         ]
-        assert outside.measured == pytest.approx(1.02 * (0.03 - float(fraction(inertia))) / 0.006, rel=1e-6)
+        stretch = 1.02 * (0.03 - float(fraction(inertia))) / 0.006
+        assert f"{stretch:.6g} × the box holds it" in outside.what
+        assert outside.measured is None or outside.measured == pytest.approx(stretch, rel=1e-6)
 
     def test_a_joint_of_several_boxes_is_measured_by_the_parameter_furthest_out(self):
         spec, nominal = golden("sampled-range").spec, nominal_load(golden("sampled-range").spec)
@@ -200,6 +203,46 @@ class TestJustOutside:
         assert (
             stretch_of(spec, next(iter(members(spec))).spec, nominal + np.array([0, 0, 1.0])) == np.inf
         )  # K is certain
+
+    @pytest.mark.parametrize(
+        ("attack", "name", "id", "form", "value"),
+        [
+            ("box", "haninger2016-paper", "stability-free", "box", "1.2"),
+            ("box", "sampled-range", "stability-free", "box", "3.2"),
+            ("Δ", "haninger2016-paper", "eq18", "half-plane/physical", "1.4"),
+            ("Δ", "feedback-both", "eq9", "printed", "2"),
+            ("Δ", "weight-disc", "eq18", "half-plane/frozen", "20"),
+            ("level", "haninger2016-paper", "bandwidth", "attenuation", "8"),
+            ("level", "sampled-range", "bandwidth", "attenuation", "8.8"),
+        ],
+    )
+    def test_a_claim_that_still_holds_where_it_is_said_to_fail_is_contradicted(self, attack, name, id, form, value):
+        found = ATTACKS[attack](twin(name, id, form, value))
+        assert [f.agrees for f in found if f.claim == f"{id} {form}" and f.side == "outside"] == [False]
+
+    def test_a_tolerance_that_its_own_witness_meets_is_contradicted(self):
+        harmless = replace(claimed("sampled-range", "tolerance", "coefficients").refuted_at.witness, omega=Fraction(1))
+        beyond = Refutation(Fraction("1e-6"), harmless)
+        given = lying("sampled-range", "tolerance", "coefficients", refuted_at=beyond)
+        found = tolerance(given, golden("sampled-range").coefficients, seed=0)
+        assert [f.agrees for f in found if f.side == "outside"] == [False]
+
+    def test_what_cannot_be_expected_is_counted_and_says_why(self):
+        spec, C, claims, coefficients = golden("haninger2016-paper")
+        nowhere = Refutation(claimed("haninger2016-paper", "stability-free", "box").refuted_at.value, None)
+        unnamed = tuple(replace(c, refuted_at=nowhere) if c.form == "box" else c for c in claims)
+        found = challenge(spec, C, unnamed, count=4, seed=0, progress=quiet, coefficients=coefficients)
+        assert {f.claim for f in found.not_shown} >= {"stability-free box"}
+        assert all(f.why and f"NOT SHOWN: {f.why}" in str(f) for f in found.not_shown)
+        assert f"{len(found.not_shown)} could not be shown" in found.summary() and found.contradictions == ()
+
+    def test_a_form_that_is_only_sufficient_need_not_fail_where_it_does(self):
+        given = [
+            replace(c, form="lumped/physical", refuted_at=replace(c.refuted_at, value=Fraction("1.2")))
+            for c in golden("haninger2016-paper").claims if c.id == "eq18"
+        ]  # fmt: skip
+        (said,) = [f for f in deltas(subject("haninger2016-paper", given)) if f.side == "outside"]
+        assert said.not_shown and said.why == "this form is only sufficient" and said.measured is None
 
 
 class TestReality:

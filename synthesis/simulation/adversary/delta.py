@@ -57,10 +57,10 @@ def seen(loop: Loop, omega: Array) -> Array:
     return np.asarray(abs(loop.response(omega, "applied", "unfelt")[0]))
 
 
-def attack(loop: Loop, bound: Bound, factor: float, band: tuple[float, float]) -> Attack:
+def attack(loop: Loop, bound: Bound, factor: float, band: tuple[float, float], hints: tuple[float, ...] = ()) -> Attack:
     """The Δ with |Δ| ≤ factor·W that comes closest to closing the loop, or closes it where it does so fastest."""
     low, high = band
-    grid = np.geomspace(low / 10**DECADES, high * 10**DECADES, 4000)
+    grid = np.unique([*np.geomspace(low / 10**DECADES, high * 10**DECADES, 4000), *hints])
     reach = factor * FILL * bound(grid) * seen(loop, grid)
     # Above 1 everywhere counts alike; then a fast growth shows sooner than a slow one.
     best = np.argmax(reach) if reach.max() <= 1 else np.flatnonzero(reach > 1 + 0.5 * (reach.max() - 1))[-1]
@@ -70,14 +70,14 @@ def attack(loop: Loop, bound: Bound, factor: float, band: tuple[float, float]) -
     return Attack(delta, delta.gain * abs(T))
 
 
-def reachable(loop: Loop, bound: Bound, band: tuple[float, float]) -> float:
+def reachable(loop: Loop, bound: Bound, band: tuple[float, float], hints: tuple[float, ...] = ()) -> float:
     """The factor on W from which on some Δ closes the loop; inf if none does."""
-    low, high = band
+    low, high = min(band[0], *hints, np.inf), max(band[1], *hints, 0.0)
 
     def reach(omega: Array) -> Array:
         return np.asarray(FILL * bound(omega) * seen(loop, omega))
 
-    _, omega = worst([reach], (low / 10**DECADES, high * 10**DECADES))
+    _, omega = worst([reach], (low / 10**DECADES, high * 10**DECADES), hints)
     most = float(reach(np.array([omega]))[0])
     return 1 / most if most > 0 else np.inf
 
