@@ -146,7 +146,7 @@ def _beyond_box(subject: Subject, claim: Claim, end: str) -> Iterator[Finding]:
     what = f"joint of the witness, {BEYOND} times as far: {loop.of}; rate {found.rate:.3g} /s"
     what += f"; {stretch:.6g} × the box holds it"
     what += "" if there else f", beyond {BEYOND} × {named:.6g}, where the claim is said to fail"
-    marginal = abs(found.rate) <= MARGINAL * max(1.0, *hints_of(claim))
+    marginal = abs(found.rate) <= MARGINAL * max(1.0, max(hints_of(claim), default=0.0))
     why = "it neither grows nor decays, in floating point" if marginal and there else ""
     yield outside(name, what, found.grows and there, measured=stretch, bound=margin, why=why)
 
