@@ -22,6 +22,8 @@ from .proven import Subject, hints_of, nominal_load
 FAR = 1000.0  # beyond the band, for what is worst at ω = 0 or ∞
 ROUNDING = 1e-6  # of a bound
 JUST = 1 + 1e-4  # of a frequency: just beyond it
+FILLED = 0.03  # of a complex figure: what a Δ that does not fill its disc may miss
+FAILS = "the claim is said to fail at"
 NOISE = 1e-9  # of the complex figure a run measures
 
 
@@ -65,7 +67,7 @@ def levels(subject: Subject) -> Iterator[Finding]:
             band = min(band[0], omega_B / 100), omega_B
         else:
             band = float(claim.interval[0]) or band[0] / FAR, float(claim.interval[1] or band[1] * FAR)
-        yield _level(subject, claim, level, band)
+        yield from _level(subject, claim, level, band)
     yield from _beyond_band(subject)
     yield from _decays(subject)
 
@@ -87,8 +89,11 @@ def loops_of(subject: Subject, level: Level, member: Member) -> list[Loop]:
     return [free(spec, subject.C, load) for load in ([nominal_load(spec)] if level.lumped else vertices(spec))]
 
 
-def _level(subject: Subject, claim: Claim, level: Level, band: tuple[float, float]) -> Finding:
-    """The worst of all loads and members, and of all Δ, by their frequency response, then its motion."""
+def _level(subject: Subject, claim: Claim, level: Level, band: tuple[float, float]) -> Iterator[Finding]:
+    """The worst of all loads and members, and of all Δ, by their frequency response, then its motion.
+
+    It is within the margin, and beyond the level at which the claim is said to fail.
+    """
     name, bound, hints = f"{claim.id} {claim.form}", bound_of(subject, claim), hints_of(claim)
     disc = lumped(subject.spec) if level.lumped else on_top(subject.spec) if level.disc else None
     found = []
@@ -106,7 +111,8 @@ def _level(subject: Subject, claim: Claim, level: Level, band: tuple[float, floa
         found.append((bad, loop, quantity, omega, f"at {omega:.6g} rad/s, {loop.of}{member}{built}"))
     _, loop, quantity, omega, where = max(found, key=lambda each: each[0])
     if not loop.poles.stable:
-        return Finding(name, "information", f"unstable, nothing to measure: {where}", None, bound, None)
+        yield Finding(name, "information", f"unstable, nothing to measure: {where}", None, bound, None)
+        return
     seen = tones.measured(loop, quantity, omega)
     slack = ROUNDING * abs(bound) + (NOISE + 10 * seen.error) * seen.size
     sign = -1 if quantity.resists else 1
@@ -114,8 +120,27 @@ def _level(subject: Subject, claim: Claim, level: Level, band: tuple[float, floa
     filters = subject.spec.controller.filters
     if claim.form == "paper" and (filters.position is not None or filters.derivative is not None):
         what = f"(12) as printed knows of no filters; {level.words} {where}"
-        return Finding(name, "information", what, sign * seen.worse, bound, None)
-    return Finding(name, "inside", f"{level.words} {where}", sign * seen.worse, bound, agrees)
+        yield Finding(name, "information", what, sign * seen.worse, bound, None)
+        return
+    yield Finding(name, "inside", f"{level.words} {where}", sign * seen.worse, bound, agrees)
+    if claim.id != "bandwidth" and claim.refuted_at is not None:
+        fails_at = float(claim.refuted_at.value)
+        what = f"{level.words} {where}: {sign * seen.worse:.9g}; {FAILS} {fails_at:.9g}"
+        missing = sign * fails_at - seen.worse
+        why = _excuse(claim, band, disc is not None and missing <= FILLED * seen.size)
+        yield outside(name, what, missing <= slack, measured=sign * seen.worse, bound=bound, why=why)
+
+
+def _excuse(claim: Claim, band: tuple[float, float], nearly: bool) -> str:
+    """Why the level at which a claim fails need not be reached."""
+    if claim.form == "paper":
+        return "this form is only sufficient, and its level a factor on W"
+    if nearly:
+        return "a rational Δ fills its disc nearly, not quite"
+    low, high = band
+    if any(low <= omega <= high for omega in hints_of(claim)):
+        return ""
+    return f"it fails outside {low:.3g} to {high:.3g} rad/s, where nothing was run"
 
 
 def _beyond_band(subject: Subject) -> Iterator[Finding]:
@@ -150,3 +175,8 @@ def _decays(subject: Subject) -> Iterator[Finding]:
                 agrees = loop.poles.decay >= bound * (1 - ROUNDING)
                 what = "slowest decay [/s]" if form == "hurwitz" else "slowest decay with hold and delay [/s]"
                 yield Finding(f"{claim.id} {form}", "inside", what, loop.poles.decay, bound, agrees)
+                if claim.refuted_at is not None:
+                    fails_at, seen = float(claim.refuted_at.value), loop.poles.decay
+                    reached = seen <= fails_at * (1 + ROUNDING)
+                    what = f"{what}: {seen:.9g}; {FAILS} {fails_at:.9g}"
+                    yield outside(f"{claim.id} {form}", what, reached, measured=seen, bound=bound)

@@ -86,7 +86,7 @@ class TestHonestClaims:
     def test_just_outside_something_gives(self, attacked, name, claims):
         for claim in claims.split(", "):
             outside = [f.agrees for f in attacked(name).findings if f.claim == claim and f.side == "outside"]
-            assert outside == [True], claim
+            assert set(outside) == {True}, claim
 
     def test_the_same_seed_draws_the_same_joints(self, attacked):
         spec, C, *_ = golden("haninger2016-paper")
@@ -213,6 +213,13 @@ class TestJustOutside:
             ("Δ", "feedback-both", "eq9", "printed", "2"),
             ("Δ", "weight-disc", "eq18", "half-plane/frozen", "20"),
             ("level", "haninger2016-paper", "bandwidth", "attenuation", "8"),
+            ("level", "haninger2016-paper", "peak", "sensitivity", "1.89"),
+            ("level", "haninger2016-paper", "rendering", "every-load", "0.2"),
+            ("level", "haninger2016-paper", "eq12", "structured", "0.05"),
+            ("level", "haninger2016-paper", "stability-free", "hurwitz", "5.8"),
+            ("level", "haninger2016-paper", "stability-locked", "hurwitz", "20"),
+            ("level", "sampled-range", "noise", "command", "0.9"),
+            ("level", "weight-disc", "eq12", "disc", "0.3"),
             ("level", "sampled-range", "bandwidth", "attenuation", "8.8"),
         ],
     )

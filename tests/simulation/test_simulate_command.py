@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "evidence"))
 from command_line import refused, robimp
+from tampering import sealed, written
 
 from robimp.synthesis.errors import ExitCode
 
@@ -50,6 +52,35 @@ def test_repeats_itself_and_says_what_the_certificate_leaves_out_for_information
     assert all((before[name] == joints[name]).all() for name in before.files)
     assert (joints["real_loads"] == joints["loads"]).all()
     assert (joints["real_largest_angle"] < joints["largest_angle"]).all(), "friction brakes"
+
+
+def resealed(folder, edit):
+    """The certificate with a claim edited, and digests that match again."""
+    content = json.loads(PAPER.read_bytes())
+    edit({(claim["id"], claim["form"]): claim for claim in content["claims"]})
+    file = folder / "resealed.json"
+    file.write_bytes(written(sealed(content)))
+    return file
+
+
+def test_what_is_written_is_compared_not_what_a_prover_would_find(tmp_path):
+    def weaker(claims):
+        claims["stability-free", "box"]["margin"], claims["peak", "sensitivity"]["margin"] = "2", "19/10"
+
+    run = robimp("simulate", resealed(tmp_path, weaker), "--loads", "4")
+    rows = {line[:24].strip(): line.split()[-3:] for line in run.out.splitlines() if line.endswith("%")}
+    assert run.code == ExitCode.PROVEN, "weaker than the truth is true"
+    assert rows["peak sensitivity"][0] == "1.9" and float(rows["peak sensitivity"][2].rstrip("%")) < 90
+    assert rows["stability-free box"][:2] == ["2", "3.71016"]
+
+
+def test_a_level_of_refutation_that_still_holds_is_already_refused_by_the_checker(tmp_path):
+    def tighter(claims):
+        claims["stability-free", "hurwitz"].update(margin="4")
+        claims["stability-free", "hurwitz"]["refuted_at"]["value"] = "9/2"
+
+    text = refused(ExitCode.MISMATCH, "simulate", resealed(tmp_path, tighter), "--loads", "4")
+    assert "stability-free hurwitz: its witness of tightness is false" in text
 
 
 def test_repeats_an_experiment_of_the_paper(tmp_path):
