@@ -18,12 +18,12 @@ from ..simulation.adversary.loop import Array, Loop, free, locked
 from ..simulation.adversary.motion import Decay, left_alone
 from ..simulation.adversary.stretched import (
     hardest,
+    joints,
     partner,
     ranges_stretched,
     stretch_of,
     stretch_to_yield,
     vertices,
-    worst_rate,
 )
 from ..spec.model import IdealActuator, Spec
 from .proven import Subject, hints_of, load_of, member_of, nominal_load, witness_of
@@ -110,16 +110,20 @@ def boxes(subject: Subject) -> Iterator[Finding]:
         if claim is None or claim.margin is None:
             continue
         name, margin = f"{claim.id} box", claim.margin
-        rate = max(_rate(one.spec, subject, end, margin) for one in members(ranges_stretched(subject.spec, margin)))
-        what = f"corners of {float(margin):.6g} × the box; rate [/s]"
-        yield Finding(name, "inside", what, rate, None, rate < 0)
+        loops = [
+            p for one in members(ranges_stretched(subject.spec, margin)) for p in _at(one.spec, subject, end, margin)
+        ]
+        run = left_alone(max(loops, key=lambda loop: loop.rate))
+        what = f"slowest corner of {float(margin):.6g} × the box; late over early motion"
+        yield Finding(name, "inside", what, run.late / max(run.early, 1e-300), None, not run.grows)
         yield from _beyond_box(subject, claim, end)
 
 
-def _rate(spec: Spec, subject: Subject, end: str, stretch: Fraction) -> float:
+def _at(spec: Spec, subject: Subject, end: str, stretch: Fraction) -> list[Loop]:
+    """Against the wall, or free with every load of the stretched box."""
     if end == "locked":
-        return locked(spec, subject.C).rate
-    return worst_rate(spec, subject.C, vertices(spec, float(stretch)))
+        return [locked(spec, subject.C)]
+    return joints(spec, subject.C, vertices(spec, float(stretch)))
 
 
 def _beyond_box(subject: Subject, claim: Claim, end: str) -> Iterator[Finding]:

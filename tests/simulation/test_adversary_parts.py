@@ -12,7 +12,7 @@ from robimp.synthesis.simulation.adversary import tones
 from robimp.synthesis.simulation.adversary.bounds import lumped, on_top
 from robimp.synthesis.simulation.adversary.delta import CHECKED, attack, built, reachable
 from robimp.synthesis.simulation.adversary.loop import free, locked
-from robimp.synthesis.simulation.adversary.motion import left_alone
+from robimp.synthesis.simulation.adversary.motion import fading, left_alone
 from robimp.synthesis.simulation.adversary.population import drawn
 from robimp.synthesis.simulation.adversary.stretched import (
     partner,
@@ -176,3 +176,14 @@ class TestStretchedBox:
         for quantity in (tones.ATTENUATION, tones.RESISTANCE, tones.DRY, tones.rendering_error(spec)):
             seen = tones.measured(loop, quantity, 20.0)
             assert seen.worse == pytest.approx(float(quantity.of(loop, np.array([20.0]))[0]), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["haninger2016", "sampled-range", "weight-disc"])
+def test_what_is_left_of_a_run_fades_as_its_slowest_mode(name):
+    spec, C, *_ = golden(name)
+    nominal = vertices(spec).mean(axis=0)
+    for loop in (free(spec, C, nominal), locked(spec, C)):
+        seen = fading(loop)
+        assert seen.rate == pytest.approx(loop.poles.decay, rel=1e-6) and seen.change < 1e-6 * seen.rate
+    falling = fading(free(spec, C, nominal * [1, -1, 1] - [0, 1, 0]))
+    assert falling.rate < 0, "what grows is seen to grow"
