@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -110,10 +111,11 @@ def _level(subject: Subject, claim: Claim, level: Level, band: tuple[float, floa
             loop = loops[which]
         bad = float(quantity.of(loop, np.array([omega]))[0])
         found.append((bad, loop, quantity, omega, f"at {omega:.6g} rad/s, {loop.of}{member}{built}"))
-    _, loop, quantity, omega, where = max(found, key=lambda each: each[0])
-    if not loop.poles.stable:
-        yield Finding(name, "information", f"unstable, nothing to measure: {where}", None, bound, None)
+    stable = [each for each in found if each[1].poles.stable]
+    if not stable:
+        yield Finding(name, "information", f"unstable, nothing to measure: {found[0][-1]}", None, bound, None)
         return
+    _, loop, quantity, omega, where = max(stable, key=lambda each: each[0])
     seen = tones.measured(loop, quantity, omega)
     slack = ROUNDING * abs(bound) + (NOISE + 10 * seen.error) * seen.size
     sign = -1 if quantity.resists else 1
@@ -127,7 +129,7 @@ def _level(subject: Subject, claim: Claim, level: Level, band: tuple[float, floa
     if claim.id != "bandwidth" and claim.refuted_at is not None:
         fails_at = float(claim.refuted_at.value)
         what = f"{level.words} {where}: {sign * seen.worse:.9g}; {FAILS} {fails_at:.9g}"
-        missing = sign * fails_at - seen.worse
+        missing = inf if claim.form == "paper" else sign * fails_at - seen.worse  # its level is a factor on W
         why = _excuse(claim, band, disc is not None and missing <= FILLED * seen.size)
         yield outside(name, what, missing <= slack, measured=sign * seen.worse, bound=bound, why=why)
 
@@ -135,7 +137,7 @@ def _level(subject: Subject, claim: Claim, level: Level, band: tuple[float, floa
 def _excuse(claim: Claim, band: tuple[float, float], nearly: bool) -> str:
     """Why the level at which a claim fails need not be reached."""
     if claim.form == "paper":
-        return "this form is only sufficient, and its level a factor on W"
+        return "this form is only sufficient"
     if nearly:
         return "a rational Δ fills its disc nearly, not quite"
     low, high = band

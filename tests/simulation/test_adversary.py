@@ -243,6 +243,12 @@ class TestJustOutside:
         assert all(f.why and f"NOT SHOWN: {f.why}" in str(f) for f in found.not_shown)
         assert f"{len(found.not_shown)} could not be shown" in found.summary() and found.contradictions == ()
 
+    def test_the_papers_form_is_measured_and_need_not_be_tight(self):
+        given = lying("haninger2016", "eq12", "paper", refuted_at=Refutation(Fraction("1.00001"), None))
+        inside, beyond = [f for f in levels(given) if f.claim == "eq12 paper"]
+        assert inside.side == "inside" and inside.agrees and inside.measured > 0
+        assert beyond.not_shown and "only sufficient" in beyond.why
+
     def test_a_form_that_is_only_sufficient_need_not_fail_where_it_does(self):
         given = [
             replace(c, form="lumped/physical", refuted_at=replace(c.refuted_at, value=Fraction("1.2")))

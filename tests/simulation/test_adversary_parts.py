@@ -187,3 +187,12 @@ def test_what_is_left_of_a_run_fades_as_its_slowest_mode(name):
         assert seen.rate == pytest.approx(loop.poles.decay, rel=1e-6) and seen.change < 1e-6 * seen.rate
     falling = fading(free(spec, C, nominal * [1, -1, 1] - [0, 1, 0]))
     assert falling.rate < 0, "what grows is seen to grow"
+
+
+@pytest.mark.parametrize("phase", [0.0, np.pi, -np.pi, 1e-8, 1.0])
+def test_no_pole_of_a_delta_is_at_the_origin_whatever_its_phase(phase):
+    delta = built(lambda omega: np.full_like(omega, 0.5), 40.0, phase)
+    poles = np.roots(delta.denominator)
+    assert poles.real.max() < -1e-3 * 40 and abs(poles).max() < 1e3 * 40
+    value = np.polyval(delta.numerator, 40j) / np.polyval(delta.denominator, 40j)
+    assert abs(value / (delta.gain * np.exp(1j * phase)) - 1) < 1e-5 and delta.gain > 0.49
