@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
@@ -103,14 +103,16 @@ def replay(
 def repeat_experiment(content: dict[str, Any], file: str, name: str) -> Experiment:
     """One of the paper's experiments (`fig9` … `fig12`, `hunting`) on a certificate's joint with its controller.
 
-    Raises: InputError for an unknown name.
+    Raises: InputError for an unknown name, and for the paper's figures on a joint that is not the paper's.
     """
-    from .simulation.experiments import EXPERIMENTS  # loads the compiler
+    from .simulation.experiments import EXPERIMENTS, demand_papers_joint, notes  # loads the compiler
 
     if name not in EXPERIMENTS:
         raise InputError(f"--experiment: expected one of {', '.join(EXPERIMENTS)}; found {name}")
-    C = polynomials(content["controller"]["C"])
-    return EXPERIMENTS[name](from_canonical(content["spec"], file), (C.numerator, C.denominator))
+    spec, C = from_canonical(content["spec"], file), polynomials(content["controller"]["C"])
+    if name != "hunting":  # which has no numbers of the paper but a friction, and a linear joint scales with it
+        demand_papers_joint(spec)
+    return replace(EXPERIMENTS[name](spec, (C.numerator, C.denominator)), notes=notes(spec))
 
 
 def _demand_texts(written: dict[str, Any], expected: dict[str, Any], file: str) -> None:

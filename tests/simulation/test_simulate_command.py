@@ -2,17 +2,20 @@
 
 import json
 import sys
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
+from certified import golden
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parents[1] / "evidence"))
 from command_line import refused, robimp
 from tampering import sealed, written
 
-from robimp.synthesis.errors import ExitCode
+from robimp.synthesis.errors import ExitCode, InputError
+from robimp.synthesis.simulation.adversary.population import Reality, population
 
 PAPER = Path(__file__).parents[1] / "data" / "golden" / "haninger2016-paper.json"
 
@@ -94,6 +97,14 @@ def test_repeats_an_experiment_of_the_paper(tmp_path):
     [
         (("--experiment", "fig13"), "expected one of fig9"),
         (("--loads", "-1"), "--loads"),
+        (("--loads", "1000000000"), "1000000"),
+        (("--rate", "1e9", "--loads", "4"), "100000"),
+        (("--rate", "0"), "--rate"),
+        (("--rate", "-5"), "--rate"),
+        (("--rate", "1e-9"), "--rate"),
+        (("--rate", "nan"), "--rate"),
+        (("--experiment", "fig9", "--loads", "10"), "leave out --loads"),
+        (("--experiment", "fig9", "--friction-load", "0.1", "--rate", "500"), "leave out --friction-load, --rate"),
         (("--noise", "0.01"), "give its --rate"),
         (("--precision", "float"), "give its --rate"),
         (("--friction-load", "inf"), "must be finite"),
@@ -109,3 +120,35 @@ def test_refuses_what_it_does_not_know(arguments, reason):
 def test_a_folder_that_cannot_be_written_is_refused_before_anything_runs(tmp_path):
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert "is not a folder" in refused(ExitCode.INPUT, "simulate", PAPER, "-o", tmp_path / "file" / "inside")
+
+
+def test_an_experiment_on_a_certificate_that_check_refuses_ends_as_check_does(tmp_path):
+    def bolder(claims):
+        claims["peak", "sensitivity"].update(margin="1", refuted_at=None)
+
+    file = resealed(tmp_path, bolder)
+    code = robimp("check", file).code
+    assert code != ExitCode.PROVEN
+    assert str(file) in refused(ExitCode(code), "simulate", file, "--experiment", "fig9")
+
+
+def test_the_papers_experiments_are_refused_on_another_joint():
+    other = PAPER.parents[3] / "examples" / "certificates" / "ut-sea.json"
+    assert "those of its own joint" in refused(ExitCode.INPUT, "simulate", other, "--experiment", "fig10")
+
+
+def test_an_experiment_says_whose_numbers_and_which_controller_it_moves():
+    run = robimp("simulate", PAPER.with_name("sampled-range.json"), "--experiment", "fig9")
+    assert run.code == ExitCode.PROVEN
+    assert "the paper's numbers" in run.out and "continuous one, though the certificate's is sampled" in run.out
+
+
+def test_a_course_too_long_to_keep_is_refused_before_it_is_made():
+    spec, C, *_ = golden("sampled-range")
+    fast = spec.model_copy(update={"sampling": spec.sampling.model_copy(update={"rate": Fraction(10**9)})})
+    with pytest.raises(InputError, match="sample slower"):
+        population(fast, C, 4, 10.0, 0, lambda _: None, Reality(rate=1e9))
+
+
+def test_the_help_shows_what_messages_advise():
+    assert "--debug" in robimp("--help").out

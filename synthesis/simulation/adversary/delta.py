@@ -130,6 +130,6 @@ def _shaped(omega: float, zeta: float, slope: int, phase: float) -> tuple[Array,
         beta = omega / np.tan(-rest / 2)
         numerator, denominator = np.array([-sign, sign * beta]), np.array([1.0, beta])
     for _ in range(slope):
-        numerator = np.polymul(numerator, [2 * zeta * omega, 0.0])
-        denominator = np.polymul(denominator, [1.0, 2 * zeta * omega, omega**2])
+        numerator = np.asarray(np.polymul(numerator, [2 * zeta * omega, 0.0]), dtype=np.float64)
+        denominator = np.asarray(np.polymul(denominator, [1.0, 2 * zeta * omega, omega**2]), dtype=np.float64)
     return numerator, denominator
