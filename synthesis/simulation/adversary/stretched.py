@@ -78,11 +78,6 @@ def joints(spec: Spec, C: Compensator, loads: Array) -> list[Loop]:
     return [free(spec, C, load) for load in loads]
 
 
-def worst_rate(spec: Spec, C: Compensator, loads: Array) -> float:
-    """Real part of the worst pole [rad/s] of any of the loads in free motion."""
-    return max(loop.rate for loop in joints(spec, C, loads))
-
-
 def stretch_to_yield(spec: Spec, C: Compensator, band: tuple[float, float], most: float = 20.0) -> float | None:
     """Smallest stretch at which some corner yields to a motion (`Re(Z/jω) < 0`); None if none does up to `most`."""
 
