@@ -135,7 +135,7 @@ def _report(error: BaseException) -> int:
     if hasattr(error, "format_message"):  # the command-line parser's own
         complain(f"robimp: {error.format_message()} (see robimp --help)")
         return int(ExitCode.INPUT)
-    complain(f"robimp: internal error: {type(error).__name__}: {error} (robimp --debug … shows where, see robimp --help)")
+    complain(f"robimp: internal error: {type(error).__name__}: {error} (--debug shows where, see robimp --help)")
     return int(ExitCode.INTERNAL)
 
 
