@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from fractions import Fraction
+from dataclasses import dataclass, replace
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +18,7 @@ from .pipeline import realizable, setting_of
 from .recheck import VERDICT_CODE
 from .simulation import Trials, verify
 from .spec import from_canonical
-from .spec.model import Polynomials
+from .written import claims_of, polynomials
 
 if TYPE_CHECKING:
     from .challenge import Challenge, Reality
@@ -63,15 +62,15 @@ def replay(
 ) -> Replay:
     """Simulate every load of a certificate whose format was already checked, and compare with its claims.
 
-    Then attack the claims: `count` loads are drawn with `seed`, 0 leaves the attacks out. `reality`: what the
-    certificate leaves out, for information.
+    Then attack the claims, with margins and levels of refutation as they are written: `count` loads are drawn with
+    `seed`, 0 leaves the attacks out. `reality`: what the certificate leaves out, for information.
 
     Raises: MismatchError when the certificate does not say what the prover finds for its controller; InputError for a
     reality that cannot be.
     """
     spec = from_canonical(content["spec"], file)
     setting = setting_of(spec)
-    coefficients = _polynomials(content["controller"]["Q" if spec.controller.type == "dob" else "C"])
+    coefficients = polynomials(content["controller"]["Q" if spec.controller.type == "dob" else "C"])
     C = realizable(setting, coefficients)
     claims = certify(setting, C)
     found = {(claim.id, claim.form): claim.status.value for claim in claims}
@@ -85,16 +84,17 @@ def replay(
         _demand_texts(content, document(setting, coefficients, claims, bound=None, producer={}), file)
     if checked.exit_code != VERDICT_CODE[verdict(claims)]:
         raise MismatchError(f"{file}: {checked.message}")
-    polynomials = _polynomials(content["controller"]["C"])
-    compensator = (polynomials.numerator, polynomials.denominator)
+    written = polynomials(content["controller"]["C"])
+    compensator = (written.numerator, written.denominator)
     trials = verify(spec, compensator, progress=progress)
     agreement = compare(setting, C, claims, trials)
     if not count or not trials.stable:
         return Replay(trials, agreement, None)
     from .challenge import IDEAL, challenge  # loads the compiler
 
+    said, told = claims_of(content), demanding(progress)
     attacked = challenge(
-        spec, compensator, claims, count=count, seed=seed, progress=demanding(progress), coefficients=coefficients,
+        spec, compensator, said, count=count, seed=seed, progress=told, coefficients=coefficients,
         reality=reality or IDEAL,
     )  # fmt: skip
     return Replay(trials, agreement, attacked)
@@ -103,14 +103,16 @@ def replay(
 def repeat_experiment(content: dict[str, Any], file: str, name: str) -> Experiment:
     """One of the paper's experiments (`fig9` … `fig12`, `hunting`) on a certificate's joint with its controller.
 
-    Raises: InputError for an unknown name.
+    Raises: InputError for an unknown name, and for the paper's figures on a joint that is not the paper's.
     """
-    from .simulation.experiments import EXPERIMENTS  # loads the compiler
+    from .simulation.experiments import EXPERIMENTS, demand_papers_joint, notes  # loads the compiler
 
     if name not in EXPERIMENTS:
         raise InputError(f"--experiment: expected one of {', '.join(EXPERIMENTS)}; found {name}")
-    polynomials = _polynomials(content["controller"]["C"])
-    return EXPERIMENTS[name](from_canonical(content["spec"], file), (polynomials.numerator, polynomials.denominator))
+    spec, C = from_canonical(content["spec"], file), polynomials(content["controller"]["C"])
+    if name != "hunting":  # which has no numbers of the paper but a friction, and a linear joint scales with it
+        demand_papers_joint(spec)
+    return replace(EXPERIMENTS[name](spec, (C.numerator, C.denominator)), notes=notes(spec))
 
 
 def _demand_texts(written: dict[str, Any], expected: dict[str, Any], file: str) -> None:
@@ -124,9 +126,3 @@ def _demand_texts(written: dict[str, Any], expected: dict[str, Any], file: str) 
     for key in ("assumptions", "not_claimed"):
         if written[key] != expected[key]:
             raise MismatchError(f"{file}: {key}: not those of a certificate of this controller")
-
-
-def _polynomials(written: dict[str, list[str]]) -> Polynomials:
-    return Polynomials(
-        numerator=tuple(map(Fraction, written["numerator"])), denominator=tuple(map(Fraction, written["denominator"]))
-    )

@@ -37,6 +37,11 @@ class Challenge:
         return tuple(str(finding) for finding in self.findings if finding.agrees is False)
 
     @property
+    def not_shown(self) -> tuple[Finding, ...]:
+        """Attacks just outside that did not succeed, and could not be expected to."""
+        return tuple(finding for finding in self.findings if finding.not_shown)
+
+    @property
     def reached(self) -> tuple[Reached, ...]:
         """How near the runs came to each proven bound."""
         return reached(self.findings)
@@ -45,10 +50,12 @@ class Challenge:
         """One line for a person."""
         decided = [finding for finding in self.findings if finding.agrees is not None and finding.side != "information"]
         inside = sum(finding.side == "inside" for finding in decided)
+        shown, open_ = len(decided) - inside, len(self.not_shown)
         tight = sum((each.share or 0) >= NEAR for each in self.reached)
         return (
             f"{len(self.drawn.loads)} joints drawn, {inside} attacks inside the claims fail "
-            f"({tight} of {len(self.reached)} bounds reached within 5 %), {len(decided) - inside} just outside succeed"
+            f"({tight} of {len(self.reached)} bounds reached within 5 %), {shown} just outside succeed"
+            + (f", {open_} could not be shown" if open_ else "")
         )
 
 

@@ -13,16 +13,26 @@ from ..simulation import Member, members
 from ..simulation.adversary import tones
 from ..simulation.adversary.bounds import Bound, lumped, on_top
 from ..simulation.adversary.delta import attack, reachable
-from ..simulation.adversary.finding import Finding, Side
+from ..simulation.adversary.finding import Finding, Side, outside
 from ..simulation.adversary.loop import Array, Loop, free, locked
-from ..simulation.adversary.motion import left_alone
-from ..simulation.adversary.stretched import hardest, partner, ranges_stretched, stretch_to_yield, vertices, worst_rate
+from ..simulation.adversary.motion import Decay, left_alone
+from ..simulation.adversary.stretched import (
+    hardest,
+    joints,
+    partner,
+    ranges_stretched,
+    stretch_of,
+    stretch_to_yield,
+    vertices,
+)
 from ..spec.model import IdealActuator, Spec
 from .proven import Subject, hints_of, load_of, member_of, nominal_load, witness_of
 
+EXACT = ("printed", "half-plane/frozen", "half-plane/physical")  # forms necessary and sufficient over the disc
 BEYOND = 1.02  # times the level at which a claim fails: just outside
 WITHIN = 0.98
-FURTHEST = 50.0  # times the proven factor: further out nothing is looked for
+ROUNDING = 1e-6  # relative, of a factor
+MARGINAL = 1e-6  # relative to its frequency, a rate that may be rounding
 
 
 def deltas(subject: Subject) -> Iterator[Finding]:
@@ -48,22 +58,31 @@ def _built(subject: Subject, claim: Claim) -> Callable[[Member], Loop]:
 def _within_and_beyond(
     subject: Subject, claim: Claim, built: Callable[[Member], Loop], bound: Bound
 ) -> Iterator[Finding]:
-    name, margin = f"{claim.id} {claim.form}", float(claim.margin or 1)
+    name, margin, hints = f"{claim.id} {claim.form}", float(claim.margin or 1), hints_of(claim)
     loops = [(member, built(member)) for member in subject.joints(claim)]
-    limits = [reachable(loop, bound, subject.band) for _, loop in loops]
+    limits = [reachable(loop, bound, subject.band, hints) for _, loop in loops]
     member, loop = loops[int(np.argmin(limits))]
-    factors: list[tuple[Side, float]] = [("inside", max(1.0, WITHIN * margin))]
-    if claim.refuted_at is not None and BEYOND * min(limits) < FURTHEST * margin:
-        factors.append(("outside", BEYOND * max(min(limits), float(claim.refuted_at.value))))
-    for side, factor in factors:
-        tried = attack(loop, bound, factor, subject.band)
-        end = left_alone(loop.with_law(tried.delta.laws()), tried.delta.omega)
-        what = f"Δ within {factor:.6g} W, built against {tried.delta.omega:.4g} rad/s{member}, |ΔT| = {tried.reach:.4g}"
-        if side == "inside":
-            yield Finding(name, side, f"{what}; rate [/s]", end.rate, None, not end.grows)
-        else:
-            grown = f"{what}; grows by {end.rate:.3g} /s; factor on W"
-            yield Finding(name, side, grown, factor if end.grows else None, margin, end.grows or None)
+
+    def tried(factor: float) -> tuple[str, Decay]:
+        one = attack(loop, bound, factor, subject.band, hints)
+        what = f"Δ within {factor:.6g} W, built against {one.delta.omega:.4g} rad/s{member}, |ΔT| = {one.reach:.4g}"
+        return what, left_alone(loop.with_law(one.delta.laws()), one.delta.omega)
+
+    what, end = tried(max(1.0, WITHIN * margin))
+    yield Finding(name, "inside", f"{what}; rate [/s]", end.rate, None, not end.grows)
+    if claim.refuted_at is not None:
+        factor = BEYOND * float(claim.refuted_at.value)
+        what, end = tried(factor)
+        why = _excuse(claim, "some Δ closes the loop, but grows too slowly to be seen" if min(limits) <= factor else "")
+        what += f"; rate {end.rate:.3g} /s; factor on W"
+        yield outside(name, what, end.grows, measured=factor, bound=margin, why=why)
+
+
+def _excuse(claim: Claim, otherwise: str) -> str:
+    """Why a Δ just outside need not be found."""
+    if claim.form not in EXACT:
+        return "this form is only sufficient"
+    return otherwise if hints_of(claim) else "it fails at ω = 0 or ∞, where no motion shows it"
 
 
 def discs(subject: Subject) -> Iterator[Finding]:
@@ -91,39 +110,49 @@ def boxes(subject: Subject) -> Iterator[Finding]:
         if claim is None or claim.margin is None:
             continue
         name, margin = f"{claim.id} box", claim.margin
-        rate = max(_rate(one.spec, subject, end, margin) for one in members(ranges_stretched(subject.spec, margin)))
-        what = f"corners of {float(margin):.6g} × the box; rate [/s]"
-        yield Finding(name, "inside", what, rate, None, rate < 0)
+        loops = [
+            p for one in members(ranges_stretched(subject.spec, margin)) for p in _at(one.spec, subject, end, margin)
+        ]
+        run = left_alone(max(loops, key=lambda loop: loop.rate))
+        what = f"slowest corner of {float(margin):.6g} × the box; late over early motion"
+        yield Finding(name, "inside", what, run.late / max(run.early, 1e-300), None, not run.grows)
         yield from _beyond_box(subject, claim, end)
 
 
-def _rate(spec: Spec, subject: Subject, end: str, stretch: Fraction) -> float:
+def _at(spec: Spec, subject: Subject, end: str, stretch: Fraction) -> list[Loop]:
+    """Against the wall, or free with every load of the stretched box."""
     if end == "locked":
-        return locked(spec, subject.C).rate
-    return worst_rate(spec, subject.C, vertices(spec, float(stretch)))
+        return [locked(spec, subject.C)]
+    return joints(spec, subject.C, vertices(spec, float(stretch)))
 
 
 def _beyond_box(subject: Subject, claim: Claim, end: str) -> Iterator[Finding]:
-    """The joint of the witness, a little further from the nominal one."""
-    witness = witness_of(claim)
-    if witness is None or claim.refuted_at is None:
+    """The joint of the witness, a little further from the nominal one, and how far that really is."""
+    if claim.refuted_at is None:
         return
-    C, margin, factor = subject.C, float(claim.margin or 0), BEYOND * float(claim.refuted_at.value)
-    spec = subject.spec
+    name, witness, margin = f"{claim.id} box", witness_of(claim), float(claim.margin or 0)
+    if witness is None or not (witness.load or witness.impedance or witness.actuator):
+        yield outside(name, "no joint to move", False, bound=margin, why="the claim names none")
+        return
+    C, named, spec = subject.C, float(claim.refuted_at.value), subject.spec
+    load, nominal = load_of(witness), nominal_load(spec)
     if witness.impedance or witness.actuator:
-        at_witness = member_of(spec, witness).spec
-        spec = _further(spec, at_witness)
-    load = load_of(witness)
-    nominal = nominal_load(spec)
-    if end == "locked" or load is None:
-        loop = locked(spec, C) if end == "locked" else free(spec, C, nominal)
-    else:
-        loop = free(spec, C, nominal + BEYOND * (load - nominal))
-    found = left_alone(loop)
-    what = f"joint of the witness, {BEYOND} times as far: {loop.of}; grows by {found.rate:.3g} /s; factor on the box"
-    yield Finding(
-        f"{claim.id} box", "outside", what, factor if found.grows else None, margin, found.grows or None
-    )  # fmt: skip
+        spec = _further(spec, member_of(spec, witness).spec)
+    moved = nominal if load is None else nominal + BEYOND * (load - nominal)
+    if moved[0] == 0:
+        yield outside(
+            name, "no joint to move", False, bound=margin, why="beyond the witness's lies one without inertia"
+        )
+        return
+    loop = locked(spec, C) if end == "locked" else free(spec, C, moved)
+    found, stretch = left_alone(loop), stretch_of(subject.spec, spec, moved)
+    there = stretch <= BEYOND * named * (1 + ROUNDING)
+    what = f"joint of the witness, {BEYOND} times as far: {loop.of}; rate {found.rate:.3g} /s"
+    what += f"; {stretch:.6g} × the box holds it"
+    what += "" if there else f", beyond {BEYOND} × {named:.6g}, where the claim is said to fail"
+    marginal = abs(found.rate) <= MARGINAL * max(1.0, max(hints_of(claim), default=0.0))
+    why = "it neither grows nor decays, in floating point" if marginal and there else ""
+    yield outside(name, what, found.grows and there, measured=stretch, bound=margin, why=why)
 
 
 def _further(spec: Spec, at_witness: Spec) -> Spec:
@@ -167,8 +196,21 @@ def partners(subject: Subject) -> Iterator[Finding]:
             drawn = f", Re(Z/jω) = {fed:.4g} N·m·s/rad measured"
         what = f"{stretch:.5g} × the box, mass {other.inertia:.4g} on spring {other.stiffness:.4g}"
         what += f" at {omega:.5g} rad/s{drawn}; rate [/s]"
-        agrees = not end.grows if side == "inside" else (end.grows or None)
-        yield Finding("eq12 structured", side, what, end.rate, None, agrees)
+        if side == "inside":
+            yield Finding("eq12 structured", side, what, end.rate, None, not end.grows)
+        else:
+            feeds = float(tones.RESISTANCE.of(loop, np.array([omega]))[0]) > 0
+            why = "Re(Z/jω) < 0, but this partner does not make it grow" if feeds else _unseen(subject, claim)
+            yield outside("eq12 structured", what, end.grows, measured=end.rate, why=why)
+
+
+def _unseen(subject: Subject, claim: Claim) -> str:
+    """Why a load of the box need not feed any motion, though passivity is refuted."""
+    if on_top(subject.spec) is not None:
+        return "it fails for a Δ on top of the box"
+    if claim.refuted_at is not None and claim.refuted_at.value > 0:
+        return "what is refuted asks for more than passivity"
+    return "" if hints_of(claim) else "it fails at ω = 0 or ∞, where no motion shows it"
 
 
 def _resistance(spec: Spec, subject: Subject, hints: tuple[float, ...]) -> float:

@@ -9,11 +9,12 @@ import numpy as np
 
 from ..simulation import Member, members
 from ..simulation.adversary import tones
-from ..simulation.adversary.finding import Finding
+from ..simulation.adversary.finding import Finding, outside
 from ..simulation.adversary.loop import Loop, free, locked
+from ..simulation.adversary.motion import left_alone
 from ..simulation.equations import Compensator
 from ..spec.model import Polynomials, Spec
-from .levels import LEVELS, Level, loops_of
+from .levels import LEVELS, NOISE, Level, loops_of
 from .proven import Subject, load_of, nominal_load, witness_of
 
 TRIED = 16  # sets of signs of the errors
@@ -31,9 +32,10 @@ def tolerance(subject: Subject, coefficients: Polynomials, seed: int) -> Iterato
     rng = np.random.default_rng(seed)
     tried = [_wrong(coefficients, claim.margin, rng) for _ in range(TRIED)]
     for end in ("free", "locked"):
-        rate = max(_rate(subject.spec, compensator(subject.spec, each), end) for each in tried)
-        what = f"{TRIED} controllers wrong by {float(claim.margin):.4g}, {end}; rate [/s]"
-        yield Finding(NAME, "inside", what, rate, None, rate < 0)
+        loops = [_nominal(subject.spec, compensator(subject.spec, each), end) for each in tried]
+        run = left_alone(max(loops, key=lambda loop: loop.rate))
+        what = f"slowest of {TRIED} controllers wrong by {float(claim.margin):.4g}, {end}; late over early motion"
+        yield Finding(NAME, "inside", what, run.late / max(run.early, 1e-300), None, not run.grows)
     wrong = [Subject(subject.spec, compensator(subject.spec, each), {}) for each in tried]
     built: dict[bool, list[tuple[Member, list[Loop]]]] = {}  # against a wall or not
     for kind, level in LEVELS.items():
@@ -64,8 +66,8 @@ def _wrong(coefficients: Polynomials, v: Fraction, rng: np.random.Generator) -> 
     return Polynomials(numerator=moved(coefficients.numerator), denominator=moved(coefficients.denominator))
 
 
-def _rate(spec: Spec, C: Compensator, end: str) -> float:
-    return (free(spec, C, nominal_load(spec)) if end == "free" else locked(spec, C)).rate
+def _nominal(spec: Spec, C: Compensator, end: str) -> Loop:
+    return free(spec, C, nominal_load(spec)) if end == "free" else locked(spec, C)
 
 
 def _required(subject: Subject, kind: tuple[str, str]) -> float | None:
@@ -88,24 +90,38 @@ def _required(subject: Subject, kind: tuple[str, str]) -> float | None:
 def _met(
     subject: Subject, kind: tuple[str, str], level: Level, required: float, joints: list[tuple[Member, list[Loop]]]
 ) -> Finding:
-    """The worst of the wrong controllers, by frequency response; Δ is left to the controller as printed."""
+    """The worst of the wrong controllers, by frequency response, then its motion; Δ is left to the one as printed."""
     claim = subject.claims[kind]
     low, high = subject.band
     low, high = max(float(claim.interval[0]), low), float(claim.interval[1] or high)
     grid = np.geomspace(min(low, high / 100), high, POINTS)
-    worst = max(float(level.quantity(one.spec).of(loop, grid).max()) for one, loops in joints for loop in loops)
-    sign = -1 if level.quantity(subject.spec).resists else 1
-    what = f"{level.words}, worst of {TRIED} wrong controllers; required {required:.6g}"
-    return Finding(NAME, "inside", f"{' '.join(kind)}: {what}", sign * worst, None, worst <= sign * required + ROUNDING)
+    found = []
+    for one, loops in joints:
+        quantity = level.quantity(one.spec)
+        for loop in loops:
+            values = quantity.of(loop, grid)
+            found.append((float(values.max()), float(grid[values.argmax()]), loop, quantity))
+    _, omega, loop, quantity = max(found, key=lambda each: each[0])
+    what = f"{' '.join(kind)}: {level.words} at {omega:.6g} rad/s, worst of {TRIED} wrong controllers"
+    what += f"; required {required:.6g}"
+    if not loop.poles.stable:
+        return Finding(NAME, "inside", f"{what}; unstable", None, None, False)
+    seen, sign = tones.measured(loop, quantity, omega), -1 if quantity.resists else 1
+    agrees = seen.worse <= sign * required + ROUNDING + 10 * seen.error * seen.size
+    return Finding(NAME, "inside", what, sign * seen.worse, None, agrees)
 
 
 def _outside(subject: Subject) -> Iterator[Finding]:
+    """The witness's controller, just outside the tolerance, at the frequency where it breaks a requirement."""
     claim = subject.claims["tolerance", "coefficients"]
-    witness = witness_of(claim)
-    if witness is None or witness.controller is None or witness.claim is None or witness.omega is None:
+    if claim.refuted_at is None:
         return
-    required, level = _required(subject, witness.claim), LEVELS.get(witness.claim)
-    if required is None or level is None or claim.refuted_at is None:
+    witness, margin = witness_of(claim), float(claim.margin or 0)
+    broken = witness.claim if witness is not None else None
+    required, level = (None, None) if broken is None else (_required(subject, broken), LEVELS.get(broken))
+    if witness is None or witness.controller is None or witness.omega is None or required is None or level is None:
+        why = f"no sine measures {' '.join(broken)} there" if broken else "the claim names no controller"
+        yield outside(NAME, "no controller to try", False, bound=margin, why=why)
         return
     member, C, load = subject.joints(claim)[0], compensator(subject.spec, witness.controller), load_of(witness)
     loop = (
@@ -114,9 +130,13 @@ def _outside(subject: Subject) -> Iterator[Finding]:
         else free(member.spec, C, nominal_load(member.spec) if load is None else load)
     )
     quantity, value = level.quantity(member.spec), float(claim.refuted_at.value)
-    seen = tones.measured(loop, quantity, float(witness.omega)).worse
+    what = f"witness's controller, {' '.join(witness.claim or ())}"
+    if not loop.poles.stable:
+        yield outside(NAME, f"{what}: unstable; relative error", True, measured=value, bound=margin)
+        return
+    seen = tones.measured(loop, quantity, float(witness.omega))
     sign = -1 if quantity.resists else 1
-    broken = seen > sign * required
-    what = f"witness's controller, {' '.join(witness.claim)} {sign * seen:.12g} where {required:.6g} is required"
-    margin = float(claim.margin or 0)
-    yield Finding(NAME, "outside", f"{what}; relative error", value if broken else None, margin, broken or None)
+    what += f" {sign * seen.worse:.12g} where {required:.6g} is required; relative error"
+    beyond = seen.worse - sign * required
+    why = "too near what is required to tell" if abs(beyond) <= (NOISE + 10 * seen.error) * seen.size else ""
+    yield outside(NAME, what, beyond > 0, measured=value, bound=margin, why=why)

@@ -53,6 +53,7 @@ def _robimp(
     version: Annotated[
         bool, typer.Option("--version", callback=_tell_version, is_eager=True, help="Show the version and exit.")
     ] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Of any command: show the traceback of an error.")] = False,
 ) -> None:
     pass
 
@@ -134,7 +135,7 @@ def _report(error: BaseException) -> int:
     if hasattr(error, "format_message"):  # the command-line parser's own
         complain(f"robimp: {error.format_message()} (see robimp --help)")
         return int(ExitCode.INPUT)
-    complain(f"robimp: internal error: {type(error).__name__}: {error} (--debug shows where)")
+    complain(f"robimp: internal error: {type(error).__name__}: {error} (--debug shows where, see robimp --help)")
     return int(ExitCode.INTERNAL)
 
 

@@ -16,7 +16,9 @@ from .common import Json, certificate_bytes, complain, dumped, finish, say
 if TYPE_CHECKING:
     from ..challenge import Reality
 
-Loads = Annotated[int, typer.Option(metavar="N", min=0, help="Loads to draw; 0: only the corners, no attacks.")]
+Loads = Annotated[
+    int, typer.Option(metavar="N", min=0, max=1_000_000, help="Loads to draw; 0: only the corners, no attacks.")
+]
 Seed = Annotated[int, typer.Option(min=0, help="Of the loads drawn and their torques.")]
 ExperimentName = Annotated[
     str | None,
@@ -34,11 +36,16 @@ class Precision(StrEnum):
     single = "float"
 
 
-def _extra(help: str, least: float = 0) -> Any:
-    return typer.Option(help=f"{help}. Not certified: for information.", min=least)
+SLOWEST, FASTEST = 1.0, 100_000.0  # Hz: the joints drawn move for 10 to 100 s
+ALONE = ("certificate", "experiment", "output", "as_json")  # what an experiment takes
+
+
+def _extra(help: str, least: float = 0, most: float | None = None) -> Any:
+    return typer.Option(help=f"{help}. Not certified: for information.", min=least, max=most)
 
 
 def simulate(
+    context: typer.Context,
     certificate: Annotated[Path, typer.Argument(metavar="CERT", help="Certificate file (JSON).")],
     loads: Loads = 10_000,
     seed: Seed = 0,
@@ -50,7 +57,7 @@ def simulate(
     torque_limit: Annotated[float, _extra("Largest torque of the drive, N·m (N)")] = inf,
     encoder: Annotated[float, _extra("Step of the encoder, rad (m)")] = 0.0,
     noise: Annotated[float, _extra("Noise of the torque sensor, rms N·m (N)")] = 0.0,
-    rate: Annotated[float | None, _extra("Sample the controller at this rate, Hz")] = None,
+    rate: Annotated[float | None, _extra("Sample the controller at this rate, Hz", SLOWEST, FASTEST)] = None,
     precision: Annotated[
         Precision, typer.Option(help="Arithmetic of the sampled controller. Not certified: for information.")
     ] = Precision.double,
@@ -63,6 +70,8 @@ def simulate(
     from ..report.simulated import arrays, summary, table
     from ..storage import demand_writable, write_atomic
 
+    if experiment is not None:
+        _demand_alone(context)
     if output is not None:
         demand_writable(output)
     data = certificate_bytes(certificate)
@@ -73,12 +82,14 @@ def simulate(
         raise MismatchError(f"{certificate}: {checked.message}")
     content = json.loads(data)
     if experiment is not None:
+        if checked.exit_code != ExitCode.PROVEN:
+            complain(f"{certificate}: {checked.message}")
+            finish([ExitCode(checked.exit_code)])
         seen = repeat_experiment(content, str(certificate), experiment)
         if output is not None:
             write_atomic(output / f"{experiment}.json", dumped(seen.to_json()).encode())
-        say(
-            dumped(seen.to_json()) if as_json else "\n".join([seen.title, *(f"  {each}" for each in seen.observations)])
-        )
+        lines = [seen.title, *(f"  note: {each}" for each in seen.notes), *(f"  {each}" for each in seen.observations)]
+        say(dumped(seen.to_json()) if as_json else "\n".join(lines))
         finish([ExitCode.PROVEN])
     faults = (friction_load, friction_motor, torque_limit, encoder, noise, stiction)
     real = reality(*faults, rate=rate, precision=precision, loads=loads, sampled=bool(content["spec"].get("sampling")))
@@ -101,6 +112,16 @@ def simulate(
     for contradiction in done.contradictions:
         complain(f"{certificate}: contradicts: {contradiction}")
     finish([ExitCode.PROVEN if agrees else ExitCode.REFUTED])
+
+
+def _demand_alone(context: typer.Context) -> None:
+    """An experiment is the paper's: nothing else can be asked of it. Raises: InputError."""
+    others = [
+        f"--{name.replace('_', '-')}" for name in context.params
+        if name not in ALONE and getattr(context.get_parameter_source(name), "name", "DEFAULT") != "DEFAULT"
+    ]  # fmt: skip
+    if others:
+        raise InputError(f"--experiment has its own loads and friction: leave out {', '.join(others)}")
 
 
 def reality(*faults: float, rate: float | None, precision: Precision, loads: int, sampled: bool) -> Reality | None:

@@ -12,14 +12,14 @@ from robimp.synthesis.simulation.adversary import tones
 from robimp.synthesis.simulation.adversary.bounds import lumped, on_top
 from robimp.synthesis.simulation.adversary.delta import CHECKED, attack, built, reachable
 from robimp.synthesis.simulation.adversary.loop import free, locked
-from robimp.synthesis.simulation.adversary.motion import left_alone
+from robimp.synthesis.simulation.adversary.motion import fading, left_alone
 from robimp.synthesis.simulation.adversary.population import drawn
 from robimp.synthesis.simulation.adversary.stretched import (
+    joints,
     partner,
     ranges_stretched,
     stretch_to_yield,
     vertices,
-    worst_rate,
 )
 from robimp.synthesis.simulation.members import members
 from robimp.synthesis.spec.model import Polynomials, Table
@@ -153,7 +153,7 @@ class TestStretchedBox:
         spec, C = paper
         limit = stretch_to_yield(spec, C, BAND)
         assert 1.25 < limit < 1.35
-        assert worst_rate(spec, C, vertices(spec, limit)) < 0, "it is still stable"
+        assert max(loop.rate for loop in joints(spec, C, vertices(spec, limit))) < 0, "it is still stable"
 
     def test_ranges_are_stretched_about_the_nominal_joint(self):
         spec = golden("sampled-range").spec
@@ -176,3 +176,23 @@ class TestStretchedBox:
         for quantity in (tones.ATTENUATION, tones.RESISTANCE, tones.DRY, tones.rendering_error(spec)):
             seen = tones.measured(loop, quantity, 20.0)
             assert seen.worse == pytest.approx(float(quantity.of(loop, np.array([20.0]))[0]), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["haninger2016", "sampled-range", "weight-disc"])
+def test_what_is_left_of_a_run_fades_as_its_slowest_mode(name):
+    spec, C, *_ = golden(name)
+    nominal = vertices(spec).mean(axis=0)
+    for loop in (free(spec, C, nominal), locked(spec, C)):
+        seen = fading(loop)
+        assert seen.rate == pytest.approx(loop.poles.decay, rel=1e-6) and seen.change < 1e-6 * seen.rate
+    falling = fading(free(spec, C, nominal * [1, -1, 1] - [0, 1, 0]))
+    assert falling.rate < 0, "what grows is seen to grow"
+
+
+@pytest.mark.parametrize("phase", [0.0, np.pi, -np.pi, 1e-8, 1.0])
+def test_no_pole_of_a_delta_is_at_the_origin_whatever_its_phase(phase):
+    delta = built(lambda omega: np.full_like(omega, 0.5), 40.0, phase)
+    poles = np.roots(delta.denominator)
+    assert poles.real.max() < -1e-3 * 40 and abs(poles).max() < 1e3 * 40
+    value = np.polyval(delta.numerator, 40j) / np.polyval(delta.denominator, 40j)
+    assert abs(value / (delta.gain * np.exp(1j * phase)) - 1) < 1e-5 and delta.gain > 0.49

@@ -20,6 +20,7 @@ from .tones import Badness, Quantity, worst
 
 DAMPINGS = (0.7, 0.3, 0.1, 0.03, 0.01)  # of the band that Δ is made of, from wide to narrow
 SLOPES = (1, 2, 3)  # with which it falls to both sides
+TURNED = 1e-6  # rad, of a phase
 NEARLY = 0.99  # of the size asked for: good enough to stop
 CHECKED = np.geomspace(1e-6, 1e6, 6001)  # of the frequency Δ is built for
 DECADES = 3.0  # below and above the joint's own frequencies, where the critical one is looked for
@@ -57,10 +58,10 @@ def seen(loop: Loop, omega: Array) -> Array:
     return np.asarray(abs(loop.response(omega, "applied", "unfelt")[0]))
 
 
-def attack(loop: Loop, bound: Bound, factor: float, band: tuple[float, float]) -> Attack:
+def attack(loop: Loop, bound: Bound, factor: float, band: tuple[float, float], hints: tuple[float, ...] = ()) -> Attack:
     """The Δ with |Δ| ≤ factor·W that comes closest to closing the loop, or closes it where it does so fastest."""
     low, high = band
-    grid = np.geomspace(low / 10**DECADES, high * 10**DECADES, 4000)
+    grid = np.unique([*np.geomspace(low / 10**DECADES, high * 10**DECADES, 4000), *hints])
     reach = factor * FILL * bound(grid) * seen(loop, grid)
     # Above 1 everywhere counts alike; then a fast growth shows sooner than a slow one.
     best = np.argmax(reach) if reach.max() <= 1 else np.flatnonzero(reach > 1 + 0.5 * (reach.max() - 1))[-1]
@@ -70,14 +71,14 @@ def attack(loop: Loop, bound: Bound, factor: float, band: tuple[float, float]) -
     return Attack(delta, delta.gain * abs(T))
 
 
-def reachable(loop: Loop, bound: Bound, band: tuple[float, float]) -> float:
+def reachable(loop: Loop, bound: Bound, band: tuple[float, float], hints: tuple[float, ...] = ()) -> float:
     """The factor on W from which on some Δ closes the loop; inf if none does."""
-    low, high = band
+    low, high = min(band[0], *hints, np.inf), max(band[1], *hints, 0.0)
 
     def reach(omega: Array) -> Array:
         return np.asarray(FILL * bound(omega) * seen(loop, omega))
 
-    _, omega = worst([reach], (low / 10**DECADES, high * 10**DECADES))
+    _, omega = worst([reach], (low / 10**DECADES, high * 10**DECADES), hints)
     most = float(reach(np.array([omega]))[0])
     return 1 / most if most > 0 else np.inf
 
@@ -121,9 +122,14 @@ def built(bound: Bound, omega: float, phase: float) -> Delta:
 def _shaped(omega: float, zeta: float, slope: int, phase: float) -> tuple[Array, Array]:
     """A band-pass of gain 1 at ω with the phase asked for, by a first-order all-pass and a sign."""
     sign, rest = (1.0, phase) if phase <= 0 else (-1.0, phase - np.pi)  # (β−s)/(β+s) turns by −2 atan(ω/β): 0 … −π
-    beta = omega / np.tan(min(max(-rest / 2, 1e-9), np.pi / 2 - 1e-9))
-    numerator, denominator = np.array([-sign, sign * beta]), np.array([1.0, beta])
+    numerator: Array
+    denominator: Array
+    if min(-rest, np.pi + rest) < TURNED:  # a sign is enough: an all-pass would have its pole at 0 or ∞
+        numerator, denominator = np.array([sign if -rest < TURNED else -sign]), np.ones(1)
+    else:
+        beta = omega / np.tan(-rest / 2)
+        numerator, denominator = np.array([-sign, sign * beta]), np.array([1.0, beta])
     for _ in range(slope):
-        numerator = np.polymul(numerator, [2 * zeta * omega, 0.0])
-        denominator = np.polymul(denominator, [1.0, 2 * zeta * omega, omega**2])
+        numerator = np.asarray(np.polymul(numerator, [2 * zeta * omega, 0.0]), dtype=np.float64)
+        denominator = np.asarray(np.polymul(denominator, [1.0, 2 * zeta * omega, omega**2]), dtype=np.float64)
     return numerator, denominator

@@ -15,8 +15,8 @@ class Finding:
     """One attack on one claim.
 
     `inside` the claim it must fail, `outside` it must succeed; `information` decides nothing. `measured` and
-    `bound` in the claim's own unit, of an attack outside the level at which it succeeded beside the proven one;
-    `agrees`: None where an attack outside could not be built.
+    `bound` in the claim's own unit, of an attack outside the level at which it succeeded beside the proven one.
+    `agrees`: None where an attack outside does not succeed and `why` it could not be expected to is said: not shown.
     """
 
     claim: str
@@ -25,6 +25,12 @@ class Finding:
     measured: float | None
     bound: float | None
     agrees: bool | None
+    why: str = ""
+
+    @property
+    def not_shown(self) -> bool:
+        """An attack outside that neither succeeded nor contradicts."""
+        return self.side == "outside" and self.agrees is None
 
     @property
     def tightness(self) -> float | None:
@@ -41,7 +47,20 @@ class Finding:
     def __str__(self) -> str:
         bound = "" if self.bound is None else f", proven {self.bound:.6g}"
         measured = "" if self.measured is None else f": {self.measured:.6g}"
-        return f"{self.claim}, {self.side}: {self.what}{measured}{bound}"
+        why = f"; NOT SHOWN: {self.why}" if self.not_shown else ""
+        return f"{self.claim}, {self.side}: {self.what}{measured}{bound}{why}"
+
+
+def outside(
+    claim: str, what: str, succeeded: bool, *, measured: float | None = None, bound: float | None = None, why: str = ""
+) -> Finding:
+    """An attack outside what is proven: if it does not succeed that contradicts, unless `why` excuses it.
+
+    measured: the level at which it succeeded, beside the proven `bound`.
+    """
+    if succeeded:
+        return Finding(claim, "outside", what, measured, bound, True)
+    return Finding(claim, "outside", what, None, bound, None if why else False, why)
 
 
 @dataclass(frozen=True)

@@ -122,6 +122,23 @@ class Loop:
             first, last = (abs(trajectory(step, z, window) @ moved).max() for z in (early, late))
         return float(first), float(last)
 
+    def fading(self, e_folds: float, legs: int) -> Array:
+        """Rates [/s] at which a joint thrown and left alone dies out, over one leg after the other, (legs − 1,).
+
+        A leg is a whole number of half-cycles of the slowest mode, and about `e_folds` long: what else moved is gone.
+        """
+        worst = self.poles.worst or 0j
+        half = np.pi / abs(worst.imag) if worst.imag else 1 / abs(worst.real or 1.0)
+        tick = half * max(1, ceil(self._shortest / half))
+        block = self._with(())
+        step, z = self._steps(block, tick, 1, np.ones(len(block.A)))
+        ticks = max(1, round(e_folds / max(abs(worst.real), 1e-12) / tick))
+        leg, rates = np.linalg.matrix_power(step, ticks), []
+        for _ in range(legs):
+            z = leg @ (z / np.linalg.norm(z[: len(block.A)]))
+            rates.append(-np.log(np.linalg.norm(z[: len(block.A)])) / (ticks * tick))
+        return np.array(rates[1:])
+
     def _steps(self, block: Block, tick: float, coarser: int, start: Samples) -> tuple[Matrix, Samples]:
         """One tick [s] of a system, and its start with whatever the hold remembers."""
         if self.lags is None:

@@ -12,6 +12,7 @@ PER_RADIAN = 10  # ticks per radian of the motion looked at
 WINDOW = 600  # ticks looked at, early and late
 LONGEST = 2_000_000  # ticks
 E_FOLDS = 12.0  # of the slowest motion, if there is time
+LEG, LEGS = 150.0, 4  # e-folds of the slowest motion, and how often
 
 
 @dataclass(frozen=True)
@@ -34,3 +35,17 @@ def left_alone(loop: Loop, omega: float | None = None) -> Decay:
     omega = omega or abs(worst) or 1.0
     ticks = int(np.clip(E_FOLDS / max(abs(worst.real), 1e-12) * PER_RADIAN * omega, 4 * WINDOW, LONGEST))
     return Decay(*loop.alone(omega, ticks, WINDOW, PER_RADIAN), worst.real)
+
+
+@dataclass(frozen=True)
+class Fading:
+    """Rate [/s] at which motion dies out at last, from a run, and by how much that still changed."""
+
+    rate: float
+    change: float
+
+
+def fading(loop: Loop) -> Fading:
+    """What is left of a joint thrown and left alone, until only the slowest of its motion remains."""
+    *_, before, last = loop.fading(LEG, LEGS)
+    return Fading(float(last), abs(float(last - before)))

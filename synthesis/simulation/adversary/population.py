@@ -26,6 +26,7 @@ CHUNK = 500  # joints moved at once: bounds memory, and how long Ctrl-C waits
 TICK = 2e-3  # s, of a continuous controller: its steps are exact however long, the torque is held
 E_FOLDS = 20.0  # of the slowest motion, while it is let go
 LONGEST = 100.0  # s
+MOST_TICKS = 10_000_000  # of one course, 80 MB
 LEVELS = 5  # nothing switches: the ladder only makes the exponential
 PATIENCE = 4.0  # the second half of the time is free of torque, and its second half is compared
 
@@ -120,6 +121,10 @@ def population(
         tick = law.tick if law else TICK
         duration = max(seconds, min(_settling(free(one, C, loads[0])), LONGEST))
         ticks = ceil(duration / tick)
+        if ticks > MOST_TICKS:
+            raise InputError(
+                f"{duration:g} s at {1 / tick:g} Hz are {ticks} ticks, at most {MOST_TICKS}: sample slower"
+            )
         push = _course(ticks, tick, rng)
         for first in range(0, share, CHUNK):
             part = loads[first : first + CHUNK]

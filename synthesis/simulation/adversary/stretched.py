@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
+from math import inf
 
 import numpy as np
 
@@ -41,6 +42,32 @@ def ranges_stretched(spec: Spec, stretch: Fraction) -> Spec:
     return spec.model_copy(update={"impedance": wish.model_copy(update=wider), "uncertainty": uncertainty})
 
 
+def stretch_of(spec: Spec, joint: Spec, load: Array) -> float:
+    """The factor by which the boxes must be stretched to hold a joint with a load (3,); inf outside every one of them.
+
+    The largest of |p − nominal| over the half-range on p's side, of every parameter of load, impedance and actuator.
+    """
+    plant, uncertain = spec.plant, spec.uncertainty
+    sides: list[tuple[float, float, Interval | None]] = [
+        (float(p), float(getattr(plant, name)), getattr(uncertain.box, name) if uncertain.box else None)
+        for name, p in zip(("inertia", "damping", "stiffness"), load, strict=True)
+    ]
+    for name, value in spec.impedance:
+        if isinstance(value, tuple):
+            sides.append((float(getattr(joint.impedance, name)), float(middle(value)), value))
+    for name, value in uncertain.actuator or ():
+        if value:
+            sides.append((float(getattr(joint.actuator, name)), float(getattr(spec.actuator, name)), value))
+    return max(_of_half(*side) for side in sides)
+
+
+def _of_half(p: float, nominal: float, interval: Interval | None) -> float:
+    if p == nominal:
+        return 0.0
+    half = abs(float(interval[p > nominal]) - nominal) if interval else 0.0
+    return abs(p - nominal) / half if half else inf
+
+
 def _wider(interval: Interval, about: Fraction, stretch: Fraction) -> Interval:
     low, high = interval
     return about + stretch * (low - about), about + stretch * (high - about)
@@ -49,11 +76,6 @@ def _wider(interval: Interval, about: Fraction, stretch: Fraction) -> Interval:
 def joints(spec: Spec, C: Compensator, loads: Array) -> list[Loop]:
     """The joint with each load (k, 3)."""
     return [free(spec, C, load) for load in loads]
-
-
-def worst_rate(spec: Spec, C: Compensator, loads: Array) -> float:
-    """Real part of the worst pole [rad/s] of any of the loads in free motion."""
-    return max(loop.rate for loop in joints(spec, C, loads))
 
 
 def stretch_to_yield(spec: Spec, C: Compensator, band: tuple[float, float], most: float = 20.0) -> float | None:
