@@ -27,6 +27,7 @@ GARBAGE = DATA / "must-reject" / "ideal-box--truncated.json"
 
 VOID = {"meta", "link", "br", "hr", "img", "input", "source", "base"}
 FETCHING = re.compile(r"""(?:@import|url\(\s*["']?(?!data:))""")
+TYPESET = re.compile(r"<i>(\w)</i><sub>(\w+)</sub>")  # a symbol with an index: one word to a reader
 ADDRESS = ("src", "href", "srcset", "action", "data", "poster", "xlink:href", "formaction")
 
 
@@ -65,7 +66,7 @@ class Page(HTMLParser):
     def __post_init__(self) -> None:
         super().__init__(convert_charrefs=True)
         self.open: list[str] = []
-        self.feed(self.text)
+        self.feed(TYPESET.sub(r"\1_\2", self.text))
         self.close()
         self.misnested += self.open
 

@@ -39,6 +39,14 @@ def test_the_first_screen_says_what_is_proven() -> None:
     assert page.of_class("proven") and not page.of_class("failed")
 
 
+def test_a_refuted_claim_is_not_counted_as_proven() -> None:
+    assert {c.word for c in study(EQ23).claims} == {"proven", "refuted"}
+    first = Page(html(EQ23)).said.split("Controller")[0]
+    assert "claims, all confirmed by the checker 10 proven, 1 refuted" in first
+    first = Page(html(LOWERED)).said.split("Controller")[0]
+    assert "claims, not all confirmed by the checker" in first and "1 not verified" in first
+
+
 def test_every_part_is_there() -> None:
     page = Page(html(PAPER))
     positions = [page.said.index(f" {section}") for section in SECTIONS]
@@ -156,6 +164,9 @@ def test_several_certificates_are_compared(tmp_path: Path) -> None:
     table = page.said[page.said.index("Comparison") : page.said.index("What is left of a disturbance")]
     for said in ("haninger2016-paper", "8.8757", "haninger2016-eq23", "13.28", "haninger2016-stiff", "REFUTED"):
         assert said in table
+    assert "≥ 40" not in table and "ω_B ≥ 8.87571 rad/s" in table and "decay ≥" in table, (
+        "as in its own part, with units"
+    )
     overlaid = page.figures[0]["traces"]
     assert [t["name"] for t in overlaid if t.get("mode") == "lines"] == [
         "haninger2016-paper",

@@ -10,7 +10,7 @@ import numpy as np
 
 from .curves import filters, least_resistance
 from .figure import PALETTE, Figure, frequency, line, opened
-from .words import number, units
+from .words import margin, number, units
 
 if TYPE_CHECKING:
     from .study import Study
@@ -53,19 +53,20 @@ def _overlaid(
 
 
 def rows(studies: Sequence[Study]) -> tuple[list[str], list[list[str]]]:
-    """The table: headings, and one row for each certificate."""
+    """The table: headings, one column a certificate: verdict, ω_B, bound, every kind of margin."""
     kinds = list(dict.fromkeys((c.claim.id, c.claim.form) for s in studies for c in s.claims if c.claim.margin))
-    kinds = [kind for kind in kinds if kind[0] != "bandwidth"]
-    body = []
-    for study, name in zip(studies, names(studies), strict=True):
-        margins = {(c.claim.id, c.claim.form): c for c in study.claims}
-        bandwidth, bound = (study.content["bandwidth"][key] for key in ("proven", "bound"))
-        cells = [name, study.verdict_word]
-        cells += [number(Fraction(v)) if v is not None else "–" for v in (bandwidth if study.proven else None, bound)]
-        for kind in kinds:
-            found = margins.get(kind)
-            margin = found.claim.margin if found is not None and found.word == "proven" else None
-            cells.append("–" if margin is None else number(margin))
-        body.append(cells)
-    headings = ["certificate", "verdict", "ω_B [rad/s]", "bound", *(f"{id} {form}" for id, form in kinds)]
-    return headings, body
+    bounds = [study.content["bandwidth"]["bound"] for study in studies]
+    body = [
+        ["verdict", *(study.verdict_word for study in studies)],
+        ["ω_B", *(f"≥ {study.verdict.omega_b} rad/s" if study.proven else "–" for study in studies)],
+        ["bound, of a solver", *("–" if bound is None else f"{number(Fraction(bound))} rad/s" for bound in bounds)],
+    ]
+    for kind in kinds:
+        if kind[0] != "bandwidth":
+            body.append([" ".join(kind), *(_proven_margin(study, kind) for study in studies)])
+    return ["certificate", *names(studies)], body
+
+
+def _proven_margin(study: Study, kind: tuple[str, str]) -> str:
+    found = next((c for c in study.claims if (c.claim.id, c.claim.form) == kind and c.word == "proven"), None)
+    return "–" if found is None else margin(found.claim, study.spec.motion) or "–"
