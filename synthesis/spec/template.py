@@ -59,5 +59,5 @@ constraints:
   eq12: {{form: structured}}         # (12): passive for every load, so stable against every passive environment
 {_EQ18[kind]}  peak: 2.0                        # no disturbance is amplified by more
 
-sampling: {{rate: 1 kHz, delay: 1 ms}}     # the drive's zero-order hold and computation delay are part of what is proven
+sampling: {{rate: 1 kHz, delay: 1 ms}}    # the drive's zero-order hold and computation delay are part of what is proven
 """
