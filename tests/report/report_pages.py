@@ -19,6 +19,7 @@ from robimp.synthesis.report.html.write import render
 DATA = Path(__file__).parents[1] / "data"
 PAPER = DATA / "golden" / "haninger2016-paper.json"
 EQ23 = DATA / "golden" / "haninger2016-eq23.json"
+LINEAR = DATA.parents[1] / "examples" / "certificates" / "ut-sea.json"
 STIFF = DATA / "must-reject" / "haninger2016-stiff.json"
 LOWERED = DATA / "must-reject" / "haninger2016-paper--peak-lowered.json"
 UNSTABLE = DATA / "must-reject" / "unstable-optimum.json"

@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from command_line import refused, robimp
-from report_pages import EQ23, GARBAGE, LOWERED, PAPER, STIFF, UNSTABLE, WITHOUT, Page, changed, html, study
+from report_pages import EQ23, GARBAGE, LINEAR, LOWERED, PAPER, STIFF, UNSTABLE, WITHOUT, Page, changed, html, study
 
 from robimp.synthesis.errors import ExitCode, InputError
 from robimp.synthesis.report.html import write_report
@@ -175,6 +175,19 @@ def test_several_certificates_are_compared(tmp_path: Path) -> None:
     ]
     assert sum(tag == "details" for tag, _ in page.elements) == 3
     assert len(page.of_class("plot")) == len(page.figures)
+
+
+def test_joints_that_turn_and_joints_that_slide_have_no_common_unit() -> None:
+    turning, sliding = study(PAPER), study(LINEAR)
+    assert (turning.spec.motion, sliding.spec.motion) == ("rotary", "linear")
+    mixed = Page(html(PAPER, LINEAR)).figures[1]
+    assert mixed["layout"]["yaxis"]["title"]["text"] == "share of its largest value"
+    lines = [trace for trace in mixed["traces"] if trace["mode"] == "lines"]
+    for joint, trace in zip((turning, sliding), lines, strict=True):
+        low, high = joint.view
+        within = [abs(y) for x, y in zip(trace["x"], trace["y"], strict=True) if low <= x <= high]
+        assert max(within) == pytest.approx(1, abs=1e-3)
+    assert Page(html(PAPER, EQ23)).figures[1]["layout"]["yaxis"]["title"]["text"] == "N·m·s/rad"
 
 
 def test_certificates_of_one_name_are_told_apart_by_their_files() -> None:

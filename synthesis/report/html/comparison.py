@@ -13,6 +13,7 @@ from .figure import PALETTE, Figure, frequency, line, opened
 from .words import margin, number, units
 
 if TYPE_CHECKING:
+    from .curves import Real
     from .study import Study
 
 
@@ -25,13 +26,20 @@ def names(studies: Sequence[Study]) -> list[str]:
 def comparison(studies: Sequence[Study]) -> list[Figure]:
     """What is left of a disturbance, and the resistance of the port, of every certificate."""
     view = min(s.view[0] for s in studies), max(s.view[1] for s in studies)
-    unit = units(studies[0].spec)["damping"]
+    said = {units(study.spec)["damping"] for study in studies}
+    relative = len(said) > 1  # rotary joints beside linear ones have no common scale
     return [
         _overlaid(studies, view, "What is left of a disturbance, |1−Q̃|", "Lower is better, up to ω_B (dot).",
                   lambda s: np.abs(next(filters(s))[1]), {"type": "log", "title": {"text": "magnitude"}}),
         _overlaid(studies, view, "Least resistance of the port, Re(Z/jω)", "Passive where it is nowhere negative.",
-                  least_resistance, {"title": {"text": unit}}),
+                  _relative_resistance if relative else least_resistance,
+                  {"title": {"text": "share of its largest value" if relative else said.pop()}}),
     ]  # fmt: skip
+
+
+def _relative_resistance(study: Study) -> Real:
+    values = least_resistance(study)
+    return np.asarray(values / np.max(np.abs(values[study.inside])))
 
 
 def _overlaid(
