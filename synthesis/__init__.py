@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .api import bound, init, judge, load, parse, schema, simulate, synthesize
+    from .check import Verdict
     from .check import check_file as check
     from .errors import ExitCode, InfeasibleError, InputError, MismatchError, RefutedError, RobimpError, UndecidedError
     from .export import Exported, export
@@ -35,6 +36,7 @@ __all__ = [
     "RobimpError",
     "Spec",
     "UndecidedError",
+    "Verdict",
     "bound",
     "check",
     "export",
@@ -56,6 +58,7 @@ _HOME = {
     "Polynomials": ".spec.model",
     "Result": ".pipeline",
     "Spec": ".spec.model",
+    "Verdict": ".check",
     "map_plane": ".sweep.run",
     **dict.fromkeys(("bound", "init", "judge", "load", "parse", "schema", "simulate", "synthesize"), ".api"),
 }

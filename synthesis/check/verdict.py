@@ -3,6 +3,7 @@
 import time
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context, Decimal
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,8 @@ from .outcome import FALSE, MISMATCH, UNDECIDED, UNREADABLE, CheckError, demand
 from .proofs import Prover
 from .reader import MAX_BYTES, read
 from .requirements import WHOLE, compare
+
+NAMES = {0: "PROVEN", UNREADABLE: "INPUT", FALSE: "REFUTED", UNDECIDED: "UNDECIDED", MISMATCH: "MISMATCH"}
 
 
 @dataclass(frozen=True)
@@ -21,6 +24,16 @@ class Verdict:
     message: str
     omega_b: str | None = None
     claims: tuple[tuple[str, str, str, str], ...] = ()  # (id, form, status, message)
+
+    def __repr__(self) -> str:
+        name = NAMES.get(self.exit_code, f"exit code {self.exit_code}")
+        return f"<Verdict {name}, {self.message.replace('  ', ', ')}>"
+
+    def _repr_html_(self) -> str:
+        """The line and the claims, for a notebook."""
+        rows = ("".join(f"<td>{escape(cell)}</td>" for cell in claim[:3]) for claim in self.claims)
+        table = "".join(f"<tr>{row}</tr>" for row in rows)
+        return f"<div><b>{escape(repr(self)[1:-1])}</b></div>" + (f"<table>{table}</table>" if table else "")
 
 
 def check_file(path: str | Path, *, time_limit: float = 60.0) -> Verdict:

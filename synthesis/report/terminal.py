@@ -11,6 +11,7 @@ from rich.table import Table
 
 from ..certificate.claim import Claim
 from ..certificate.outcome import Outcome
+from .phrases import margin_phrase
 
 if TYPE_CHECKING:
     from ..pipeline import Result
@@ -18,19 +19,6 @@ if TYPE_CHECKING:
 
 HEADINGS = ("claim", "form", "on ω [rad/s]", "status", "proven margin", "next level fails at")
 COLOUR = {Outcome.PROVEN: "green", Outcome.REFUTED: "red", Outcome.UNDECIDED: "yellow"}
-UNIT = {
-    "hurwitz": "decay ≥ {} /s",
-    "winding": "stable",
-    "box": "{} × the box is stable",
-    "command": "gain ≤ {}",
-    "coefficients": "± {} of each",
-    "structured": "{} N·m·s/rad to spare",
-    "disc": "{} N·m·s/rad to spare",
-    "strictly-positive-real": "{} N·m·s/rad to spare",
-    "attenuation": "ω_B ≥ {} rad/s",
-    "sensitivity": "peak ≤ {}",
-    "every-load": "error ≤ {}",
-}
 
 
 def console() -> Console:
@@ -103,10 +91,8 @@ def cells(claim: Claim, motion: str) -> tuple[str, str, str, str, str, str]:
 def _margin(claim: Claim, motion: str) -> str:
     if claim.margin is None:
         return ""
-    unit = UNIT.get(claim.form, "holds for {} × W")
-    if motion == "linear":
-        unit = unit.replace("N·m·s/rad", "N·s/m")
-    return unit.format(decimal(claim.margin, ROUND_CEILING if "≤" in unit else ROUND_FLOOR))
+    phrase, rounding = margin_phrase(claim.form, motion)
+    return phrase.format(decimal(claim.margin, rounding))
 
 
 def _failure(claim: Claim) -> str:

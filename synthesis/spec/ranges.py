@@ -34,8 +34,8 @@ def around(node: Node, dimension: Dimension, nominal: Fraction) -> Interval:
     if within is not None:
         return within
     if not isinstance(node, Sequence):
-        bare = re.fullmatch(r"(?:±\s*)?([0-9.]+)\s*%|±\s*([0-9.]+)", node.text) if isinstance(node, Scalar) else None
-        share = f'write "±{bare[1] or bare[2]} %", or ' if bare else "write "
+        bare = re.fullmatch(r"±?\s*([0-9.]+)\s*%?", node.text) if isinstance(node, Scalar) else None
+        share = f'write "±{bare[1]} %", or ' if bare and bare[1].strip("0.") else "write "
         message = f'expected "±20 %" or [low, high]; found {described(node)}; {share}[v, v] if the value v is exact'
         raise InputError(message, node.where)
     low, high = interval(node, dimension)

@@ -14,7 +14,7 @@ import robimp.synthesis
 # Frozen: a name may join; one that leaves or is renamed breaks somebody's program.
 NAMES = {
     "functions": "bound check export identify init judge load map_plane parse report schema simulate synthesize",
-    "types": "ExitCode Exported Map Polynomials Result Spec",
+    "types": "ExitCode Exported Map Polynomials Result Spec Verdict",
     "errors": "InfeasibleError InputError MismatchError RefutedError RobimpError UndecidedError",
 }
 COMMANDS = {"synth": "synthesize", "map": "map_plane"}  # Python's name, where the command's is another

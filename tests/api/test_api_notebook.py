@@ -12,7 +12,7 @@ import control
 import numpy as np
 import pytest
 
-from robimp.synthesis import Map, Result, identify, init, judge, load, parse, simulate
+from robimp.synthesis import InputError, Map, Result, Verdict, check, identify, init, judge, load, parse, simulate
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.notebook import TONES, card
 from robimp.synthesis.sweep.axis import Axis
@@ -65,7 +65,8 @@ def shown(folder: Path, result: Result) -> dict[str, Any]:
     return {
         "result": result,
         "specification": result.spec,
-        "verdict": judge("certificate.json", spec=result.spec),
+        "verdict": check("certificate.json"),
+        "judgement": judge("certificate.json", spec=result.spec),
         "simulation": simulate(result, loads=0),
         "map": a_map(),
         "identified": identify(responses, kind="load", beyond="hold"),
@@ -79,7 +80,7 @@ def test_every_result_is_one_line_and_a_small_card(shown: dict[str, Any]) -> Non
         found = Card(html)
         assert found.open == [] and len(html) < MOST, name
         assert set(found.tags) <= {"div", "b", "table", "thead", "tbody", "tr", "th", "td"}, "nothing is fetched or run"
-        assert {key for key, _ in found.attributes} == {"style"}
+        assert {key for key, _ in found.attributes} <= {"style"}
         assert "background" not in html, "a card is legible on the page's own colour, light or dark"
 
 
@@ -100,6 +101,18 @@ def test_a_mismatch_is_red(folder: Path) -> None:
     assert "MISMATCH" in repr(other) and TONES["bad"] in other._repr_html_()
     absent = judge("absent.json")
     assert "INPUT" in repr(absent) and "No such file" in absent._repr_html_()
+
+
+def test_a_verdict_says_in_one_line_what_the_command_says(folder: Path) -> None:
+    proven, absent = check("certificate.json"), check("nope.json")
+    assert repr(proven) == f"<Verdict PROVEN, ω_B ≥ {proven.omega_b} rad/s, 10 claims>"
+    assert "PROVEN" in proven._repr_html_() and "eq12" in proven._repr_html_()
+    assert repr(absent) == "<Verdict INPUT, file: cannot be read: No such file or directory>"
+    assert "PROVEN" not in absent._repr_html_() and "<table>" not in absent._repr_html_()
+    with pytest.raises(InputError):
+        load("nope.yaml")
+    hostile = Verdict(4, LIKE_HTML, None, ((LIKE_HTML,) * 4,))
+    assert repr(hostile).startswith("<Verdict REFUTED, ") and "<script" not in hostile._repr_html_()
 
 
 def test_text_is_text() -> None:

@@ -19,6 +19,7 @@ from robimp.synthesis.report.html.write import render
 DATA = Path(__file__).parents[1] / "data"
 PAPER = DATA / "golden" / "haninger2016-paper.json"
 EQ23 = DATA / "golden" / "haninger2016-eq23.json"
+LINEAR = DATA.parents[1] / "examples" / "certificates" / "ut-sea.json"
 STIFF = DATA / "must-reject" / "haninger2016-stiff.json"
 LOWERED = DATA / "must-reject" / "haninger2016-paper--peak-lowered.json"
 UNSTABLE = DATA / "must-reject" / "unstable-optimum.json"
@@ -27,6 +28,7 @@ GARBAGE = DATA / "must-reject" / "ideal-box--truncated.json"
 
 VOID = {"meta", "link", "br", "hr", "img", "input", "source", "base"}
 FETCHING = re.compile(r"""(?:@import|url\(\s*["']?(?!data:))""")
+TYPESET = re.compile(r"<i>(\w)</i><sub>(\w+)</sub>")  # a symbol with an index: one word to a reader
 ADDRESS = ("src", "href", "srcset", "action", "data", "poster", "xlink:href", "formaction")
 
 
@@ -65,7 +67,7 @@ class Page(HTMLParser):
     def __post_init__(self) -> None:
         super().__init__(convert_charrefs=True)
         self.open: list[str] = []
-        self.feed(self.text)
+        self.feed(TYPESET.sub(r"\1_\2", self.text))
         self.close()
         self.misnested += self.open
 

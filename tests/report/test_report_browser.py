@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -44,6 +45,9 @@ LOOK = """<script>(() => {
       plots: plots.length,
       curves: plots.map((p) => p.querySelectorAll(".scatterlayer path.js-line, .scatterlayer path.point").length),
       texts: plots.flatMap((p) => overlapping(written(p))),
+      ticks: plots.flatMap((p) => ["x", "y"].filter((a) => p.layout[`${a}axis`].type === "log").map((a) => ({
+        range: p.layout[`${a}axis`].range, said: [...p.querySelectorAll(`.${a}tick text`)].map((t) => t.textContent),
+      }))),
       blocks: overlapping([...document.querySelectorAll(BLOCKS)]),
       wide: document.documentElement.scrollWidth - innerWidth,
       page: getComputedStyle(document.body).backgroundColor,
@@ -72,7 +76,20 @@ class Seen:
         found = [*self.report["errors"], *self.report["texts"], *self.report["blocks"], *self.report["fetched"]]
         found += [f"plot {k} is empty" for k, count in enumerate(self.report["curves"]) if not count]
         found += [f"{self.report['wide']} px too wide"] if self.report["wide"] > 0 else []
+        found += [f"ticks {axis}" for axis in self.report["ticks"] if not legible(axis["said"], axis["range"])]
         return found + [line for line in self.console.splitlines() if "CONSOLE" in line]
+
+
+def legible(ticks: list[str], ends: list[float]) -> bool:
+    """Whether every tick of an axis over 10^ends is the value it stands at, and at least two have one."""
+    said = [text.replace("\u200b", "").replace("−", "-") for text in ticks if text]
+    values = [math.log10(float(t)) if t[:2] != "10" or t in ("10", "100") else float(t[2:] or 1) for t in said]
+    return len(values) > 1 and values == sorted(values) and ends[0] - 0.01 <= values[0] and values[-1] <= ends[1] + 0.01
+
+
+def test_a_tick_that_is_only_a_digit_is_seen() -> None:
+    assert legible(["0.5", "1", "2"], [-0.4, 0.4]) and legible(["10\u200b−1", "1", "10", "10\u200b2"], [-1.1, 2.5])
+    assert not legible(["5", "10", "2"], [0.6, 1.4]) and not legible(["5", "1"], [-0.4, 0.1])
 
 
 def seen(page: str, folder: Path, *flags: str) -> Seen:
@@ -125,7 +142,8 @@ def test_what_is_wrong_with_a_page_is_seen(tmp_path: Path) -> None:
     )
     broken = broken.replace('"traces":[', '"traces":[],"was":[', 1)
     note = '{"text":"%s","x":0.5,"y":0.5,"xref":"paper","yref":"paper","showarrow":false}'
+    broken = broken.replace("return span > 2.2 ?", 'return true ? { dtick: "D2" } : span > 2.2 ?', 1)
     broken = broken.replace('"annotations":[]', f'"annotations":[{note % "one"},{note % "two"}]', 1)
     complaints = seen(broken, tmp_path).complaints
-    for expected in ("over | ", "one | two", "too wide", "img-src", "is empty"):
+    for expected in ("over | ", "one | two", "too wide", "img-src", "is empty", "ticks {"):
         assert any(expected in said for said in complaints), (expected, complaints)

@@ -69,6 +69,12 @@ def test_every_cell_stands_at_its_place() -> None:
     }
 
 
+def test_cells_of_one_bandwidth_are_told_apart_and_so_are_cuts_that_coincide() -> None:
+    picture, cuts = Page(html(document())).figures
+    assert all(trace["xgap"] == trace["ygap"] == 1 for trace in picture["traces"][:2])
+    assert [trace["line"]["dash"] for trace in cuts["traces"]] == ["solid", "dash"]
+
+
 def test_a_cell_says_its_values_and_its_reason_on_hover() -> None:
     said = Page(html(document())).figures[0]["traces"][0]["hovertext"]
     assert said[0][3] == "impedance.stiffness 1, impedance.damping 0.8<br>ω_B ≥ 8.87571 rad/s"

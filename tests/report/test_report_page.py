@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 from command_line import refused, robimp
-from report_pages import EQ23, GARBAGE, LOWERED, PAPER, STIFF, UNSTABLE, WITHOUT, Page, changed, html, study
+from report_pages import EQ23, GARBAGE, LINEAR, LOWERED, PAPER, STIFF, UNSTABLE, WITHOUT, Page, changed, html, study
 
 from robimp.synthesis.errors import ExitCode, InputError
 from robimp.synthesis.report.html import write_report
@@ -37,6 +37,14 @@ def test_the_first_screen_says_what_is_proven() -> None:
     ):
         assert said in first
     assert page.of_class("proven") and not page.of_class("failed")
+
+
+def test_a_refuted_claim_is_not_counted_as_proven() -> None:
+    assert {c.word for c in study(EQ23).claims} == {"proven", "refuted"}
+    first = Page(html(EQ23)).said.split("Controller")[0]
+    assert "claims, all confirmed by the checker 10 proven, 1 refuted" in first
+    first = Page(html(LOWERED)).said.split("Controller")[0]
+    assert "claims, not all confirmed by the checker" in first and "1 not verified" in first
 
 
 def test_every_part_is_there() -> None:
@@ -156,6 +164,9 @@ def test_several_certificates_are_compared(tmp_path: Path) -> None:
     table = page.said[page.said.index("Comparison") : page.said.index("What is left of a disturbance")]
     for said in ("haninger2016-paper", "8.8757", "haninger2016-eq23", "13.28", "haninger2016-stiff", "REFUTED"):
         assert said in table
+    assert "≥ 40" not in table and "ω_B ≥ 8.87571 rad/s" in table and "decay ≥" in table, (
+        "as in its own part, with units"
+    )
     overlaid = page.figures[0]["traces"]
     assert [t["name"] for t in overlaid if t.get("mode") == "lines"] == [
         "haninger2016-paper",
@@ -164,6 +175,19 @@ def test_several_certificates_are_compared(tmp_path: Path) -> None:
     ]
     assert sum(tag == "details" for tag, _ in page.elements) == 3
     assert len(page.of_class("plot")) == len(page.figures)
+
+
+def test_joints_that_turn_and_joints_that_slide_have_no_common_unit() -> None:
+    turning, sliding = study(PAPER), study(LINEAR)
+    assert (turning.spec.motion, sliding.spec.motion) == ("rotary", "linear")
+    mixed = Page(html(PAPER, LINEAR)).figures[1]
+    assert mixed["layout"]["yaxis"]["title"]["text"] == "share of its largest value"
+    lines = [trace for trace in mixed["traces"] if trace["mode"] == "lines"]
+    for joint, trace in zip((turning, sliding), lines, strict=True):
+        low, high = joint.view
+        within = [abs(y) for x, y in zip(trace["x"], trace["y"], strict=True) if low <= x <= high]
+        assert max(within) == pytest.approx(1, abs=1e-3)
+    assert Page(html(PAPER, EQ23)).figures[1]["layout"]["yaxis"]["title"]["text"] == "N·m·s/rad"
 
 
 def test_certificates_of_one_name_are_told_apart_by_their_files() -> None:

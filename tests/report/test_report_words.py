@@ -9,9 +9,11 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
+from robimp.synthesis.certificate.claim import Claim
+from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.report.html.figure import opened, rounded
 from robimp.synthesis.report.html.mathml import transfer
-from robimp.synthesis.report.html.words import described, load_names, number, quantity, span
+from robimp.synthesis.report.html.words import described, load_names, margin, number, quantity, span, symbols
 from robimp.synthesis.simulation import Load
 from robimp.synthesis.spec import load_spec
 from robimp.synthesis.spec.model import Polynomials
@@ -43,6 +45,9 @@ def test_numbers(value: Fraction | float, text: str) -> None:
 
 def test_intervals() -> None:
     assert span(Fraction(0), None) == "[0, ∞]"
+    assert span(Fraction(1, 3), Fraction(40284289, 10**6)) == "[0.333334, 40.2842]", (
+        "inwards: proven on what is printed"
+    )
     assert quantity((Fraction(8, 10), Fraction(12, 10)), "kg", Fraction(1)) == "1 kg ± 20 %"
     assert quantity((Fraction(1), Fraction(3)), "kg", Fraction(1)) == "1 … 3 kg (nominal 1)"
     assert quantity((Fraction(1), Fraction(3)), "kg") == "1 … 3 kg"
@@ -56,6 +61,25 @@ def test_a_specification_in_words() -> None:
     assert "inertia 0.03 kg·m² ± 20 %" in words["Load"]
     words = dict(described(load_spec(EXAMPLES / "haninger2016-feedback.yaml")))
     assert "Sampled" not in words and words["Controller"].startswith("dynamic-error feedback (20)")
+
+
+def test_symbols_are_typeset_and_names_are_not() -> None:
+    assert symbols("[0, ω_B], K_sp") == "[0, <i>ω</i><sub>B</sub>], <i>K</i><sub>sp</sub>"
+    assert symbols("<b>b_m") == "&lt;b&gt;<i>b</i><sub>m</sub>"
+    for name in ("motor_damping", "plant.k_1.x_y_z", "haninger_B", "a_", "2_B"):
+        assert "<sub>" not in symbols(name) or name.startswith("plant.k"), name
+
+
+def test_a_margin_is_proven_at_its_printed_value() -> None:
+    claim = {"id": "a", "equation": "", "statement": "", "uncertainty": "", "interval": (Fraction(0), None)}
+
+    def said(form: str, value: str, motion: str = "rotary") -> str:
+        of = Claim(**claim, form=form, required=True, status=Outcome.PROVEN, margin=Fraction(value), refuted_at=None)  # type: ignore[arg-type]
+        return margin(of, motion)
+
+    assert said("attenuation", "40.284289") == "ω_B ≥ 40.2842 rad/s"
+    assert said("sensitivity", "1.32950001") == "peak ≤ 1.32951"
+    assert said("structured", "8.202849e-6", "linear") == "8.20284·10⁻⁶ N·s/m to spare"
 
 
 def formula(numerator: tuple[Fraction, ...], denominator: tuple[Fraction, ...], name: str = "Q") -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from ..terminal import UNIT
 from .figure import Figure
 from .impedance import impedance
 from .margins import margins, sensitivity
@@ -16,7 +16,7 @@ from .mathml import transfer
 from .motion import motion
 from .nyquist import nyquist_plots
 from .study import polynomials
-from .words import described, number, span
+from .words import described, margin, number, span
 
 if TYPE_CHECKING:
     from .study import CheckedClaim, Study
@@ -73,15 +73,14 @@ def _facts(study: Study) -> list[tuple[str, str]]:
         facts = [("bandwidth, proven", f"ω_B ≥ {study.verdict.omega_b} rad/s")]
     if band["bound"] is not None:
         facts.append(("bound, of a solver on a grid", f"{number(Fraction(band['bound']))} rad/s"))
-    confirmed = sum(c.confirmed for c in study.claims)
-    facts.append(("claims confirmed by the checker", f"{confirmed} of {len(study.claims)}"))
+    counted = Counter(checked.word for checked in study.claims)
+    confirmed = "all" if all(checked.confirmed for checked in study.claims) else "not all"
+    facts.append((f"claims, {confirmed} confirmed by the checker", ", ".join(f"{n} {w}" for w, n in counted.items())))
     return facts
 
 
 def _row(study: Study, checked: CheckedClaim) -> dict[str, Any]:
-    claim, margin, failing = checked.claim, "", ""
-    if claim.margin is not None:
-        margin = _in_unit(study, claim.form, claim.margin)
+    claim, failing = checked.claim, ""
     if claim.refuted_at is not None:
         failing = number(claim.refuted_at.value)
         if claim.refuted_at.witness is not None:
@@ -89,17 +88,11 @@ def _row(study: Study, checked: CheckedClaim) -> dict[str, Any]:
             failing += f" at {'∞' if omega is None else number(omega)} rad/s"
     return {
         "id": claim.id, "equation": claim.equation, "form": claim.form, "statement": claim.statement,
-        "uncertainty": claim.uncertainty, "interval": span(*claim.interval), "margin": margin, "failing": failing,
+        "uncertainty": claim.uncertainty, "interval": span(*claim.interval),
+        "margin": margin(claim, study.spec.motion), "failing": failing,
         "required": claim.required, "word": checked.word, "message": "" if checked.confirmed else checked.message,
         "exact": "" if claim.margin is None else str(claim.margin),
     }  # fmt: skip
-
-
-def _in_unit(study: Study, form: str, margin: Fraction) -> str:
-    phrase = UNIT.get(form, "holds for {} × W")
-    if study.spec.motion == "linear":
-        phrase = phrase.replace("N·m·s/rad", "N·s/m")
-    return phrase.format(number(margin))
 
 
 def _provenance(study: Study) -> list[tuple[str, str]]:

@@ -10,9 +10,10 @@ import numpy as np
 
 from .curves import filters, least_resistance
 from .figure import PALETTE, Figure, frequency, line, opened
-from .words import number, units
+from .words import margin, number, units
 
 if TYPE_CHECKING:
+    from .curves import Real
     from .study import Study
 
 
@@ -25,13 +26,20 @@ def names(studies: Sequence[Study]) -> list[str]:
 def comparison(studies: Sequence[Study]) -> list[Figure]:
     """What is left of a disturbance, and the resistance of the port, of every certificate."""
     view = min(s.view[0] for s in studies), max(s.view[1] for s in studies)
-    unit = units(studies[0].spec)["damping"]
+    said = {units(study.spec)["damping"] for study in studies}
+    relative = len(said) > 1  # rotary joints beside linear ones have no common scale
     return [
         _overlaid(studies, view, "What is left of a disturbance, |1−Q̃|", "Lower is better, up to ω_B (dot).",
                   lambda s: np.abs(next(filters(s))[1]), {"type": "log", "title": {"text": "magnitude"}}),
         _overlaid(studies, view, "Least resistance of the port, Re(Z/jω)", "Passive where it is nowhere negative.",
-                  least_resistance, {"title": {"text": unit}}),
+                  _relative_resistance if relative else least_resistance,
+                  {"title": {"text": "share of its largest value" if relative else said.pop()}}),
     ]  # fmt: skip
+
+
+def _relative_resistance(study: Study) -> Real:
+    values = least_resistance(study)
+    return np.asarray(values / np.max(np.abs(values[study.inside])))
 
 
 def _overlaid(
@@ -53,19 +61,20 @@ def _overlaid(
 
 
 def rows(studies: Sequence[Study]) -> tuple[list[str], list[list[str]]]:
-    """The table: headings, and one row for each certificate."""
+    """The table: headings, one column a certificate: verdict, ω_B, bound, every kind of margin."""
     kinds = list(dict.fromkeys((c.claim.id, c.claim.form) for s in studies for c in s.claims if c.claim.margin))
-    kinds = [kind for kind in kinds if kind[0] != "bandwidth"]
-    body = []
-    for study, name in zip(studies, names(studies), strict=True):
-        margins = {(c.claim.id, c.claim.form): c for c in study.claims}
-        bandwidth, bound = (study.content["bandwidth"][key] for key in ("proven", "bound"))
-        cells = [name, study.verdict_word]
-        cells += [number(Fraction(v)) if v is not None else "–" for v in (bandwidth if study.proven else None, bound)]
-        for kind in kinds:
-            found = margins.get(kind)
-            margin = found.claim.margin if found is not None and found.word == "proven" else None
-            cells.append("–" if margin is None else number(margin))
-        body.append(cells)
-    headings = ["certificate", "verdict", "ω_B [rad/s]", "bound", *(f"{id} {form}" for id, form in kinds)]
-    return headings, body
+    bounds = [study.content["bandwidth"]["bound"] for study in studies]
+    body = [
+        ["verdict", *(study.verdict_word for study in studies)],
+        ["ω_B", *(f"≥ {study.verdict.omega_b} rad/s" if study.proven else "–" for study in studies)],
+        ["bound, of a solver", *("–" if bound is None else f"{number(Fraction(bound))} rad/s" for bound in bounds)],
+    ]
+    for kind in kinds:
+        if kind[0] != "bandwidth":
+            body.append([" ".join(kind), *(_proven_margin(study, kind) for study in studies)])
+    return ["certificate", *names(studies)], body
+
+
+def _proven_margin(study: Study, kind: tuple[str, str]) -> str:
+    found = next((c for c in study.claims if (c.claim.id, c.claim.form) == kind and c.word == "proven"), None)
+    return "–" if found is None else margin(found.claim, study.spec.motion) or "–"

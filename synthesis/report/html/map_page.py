@@ -14,9 +14,12 @@ from ...storage import write_atomic
 from .figure import PALETTE, Figure, Trace, line, rounded
 from .page import rendered
 from .recorded import Axis, RecordedMap
-from .words import described, floor, real
+from .words import described, floor, real, symbols
 
+DASHES = ("solid", "dash", "dot", "dashdot", "longdash", "longdashdot")  # one for each cut: some coincide
+MOST_APART = 40  # cells on a side between which there are gaps: more of them are too small
 MOST_LISTED, MOST_CUTS, MOST_TICKS, LONGEST = 400, 6, 12, 160  # cells in a table; lines; ticks; letters on hover
+OMEGA_B = symbols("ω_B [rad/s]")  # the plotting library knows these marks of HTML
 SIGNS = ("x-thin", "circle-open", "diamond-open", "square-open", "triangle-up-open", "cross-thin", "star-open")
 FILL = {"refuted": 0, "infeasible": 0, "undecided": 1, "error": 2}
 FILLS = ("--bad-soft", "--undecided-soft", "--red")
@@ -62,9 +65,10 @@ def picture(found: RecordedMap) -> Figure:
     top = 1.0 if found.best is None else real(found.cells[found.best].omega_B)
     place = {"x": rounded(_edges(horizontal)), "y": rounded(_edges(vertical))}
     said = [[_said(found, (i, j)) for j in range(shape[1])] for i in range(shape[0])]
-    heat = {"type": "heatmap", **place, "hovertext": said, "hovertemplate": "%{hovertext}<extra></extra>"}
+    heat: Trace = {"type": "heatmap", **place, "hovertext": said, "hovertemplate": "%{hovertext}<extra></extra>"}
+    heat |= {"xgap": 1, "ygap": 1} if max(shape) <= MOST_APART else {}
     steps = [[end, colour] for k, colour in enumerate(FILLS) for end in (k / len(FILLS), (k + 1) / len(FILLS))]
-    bar = {"title": {"text": "ω_B [rad/s]", "side": "right"}, "thickness": 14, "outlinewidth": 0}
+    bar = {"title": {"text": OMEGA_B, "side": "right"}, "thickness": 14, "outlinewidth": 0}
     proven = {
         **heat,
         "z": _rows(omega_B),
@@ -87,15 +91,15 @@ def cuts(found: RecordedMap) -> Iterator[Figure]:
     vertical, horizontal = found.axes
     rows = np.unique(np.linspace(0, len(vertical.values) - 1, MOST_CUTS).astype(int)).tolist()
     traces = []
-    for colour, i in zip(PALETTE, rows, strict=False):
+    for colour, dash, i in zip(PALETTE, DASHES, rows, strict=False):
         cells = [found.cells[i, j].omega_B for j in range(len(horizontal.values))]
         values = [None if value is None else real(value) for value in cells]
         if any(cells):
-            trace = line(f"{vertical.values[i]:.4g}", list(horizontal.values), values, colour)
+            trace = line(f"{vertical.values[i]:.4g}", list(horizontal.values), values, colour, dash=dash)
             traces.append(trace | {"mode": "lines+markers", "marker": {"size": 5, "color": colour}})
     if traces:
         caption = f"Each line: one value of {vertical.label}. A gap is a cell in which nothing is proven."
-        y = {"title": {"text": "ω_B [rad/s]"}, "rangemode": "tozero"}
+        y = {"title": {"text": OMEGA_B}, "rangemode": "tozero"}
         yield Figure("Cuts through the plane", caption, traces, _layout(horizontal), y, wide=True)
 
 
@@ -112,7 +116,7 @@ def _layout(axis: Axis) -> dict[str, Any]:
     ends = [float(np.log10(low)), float(np.log10(high))] if axis.log else [float(low), float(high)]
     layout: dict[str, Any] = {
         "type": "log" if axis.log else "linear",
-        "title": {"text": axis.label},
+        "title": {"text": symbols(axis.label)},
         "range": ends,
         "showgrid": False,
     }
@@ -169,7 +173,7 @@ def _spring(found: RecordedMap) -> tuple[list[dict[str, Any]], list[dict[str, An
     log = found.axes[1 if upright else 0].log
     place = float(np.log10(found.spring)) if log else found.spring
     note = {
-        "text": "K_imp = K_sp", across: place, along: 0.01, f"{along}ref": "paper", f"{across}ref": across,
+        "text": symbols("K_imp = K_sp"), across: place, along: 0.01, f"{along}ref": "paper", f"{across}ref": across,
         "showarrow": False, "xanchor": "left", "yanchor": "bottom", "font": {"color": "--red", "size": 12},
         "bgcolor": "--page",
     }  # fmt: skip

@@ -26,9 +26,11 @@
     };
     const horizontal = { ...axis, ...own.xaxis };
     const vertical = { ...axis, ...own.yaxis };
+    // Powers of ten where there are several; otherwise every tick says its whole value: not 2 and 5, but 20 and 50.
     const decades = ({ type, range }) => {
-      const span = type === "log" && range ? range[1] - range[0] : 0;
-      return span > 1.5 ? { dtick: 1 } : span > 0.7 ? { dtick: "D2" } : {};
+      if (type !== "log" || !range) return {};
+      const span = range[1] - range[0];
+      return span > 2.2 ? { dtick: 1 } : span > 1 ? { dtick: "D2", tickformat: "~g" } : { tickformat: "~g" };
     };
     return {
       ...own, ...size,

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
+from .words import symbols
+
 if TYPE_CHECKING:
     from .chapter import Chapter
     from .figure import Figure
@@ -37,11 +39,13 @@ def page(chapters: Sequence[Chapter], names: Sequence[str], together: Together |
 def rendered(template: str, drawn: Iterable[Figure], **context: Any) -> str:
     """The HTML of a template and the figures drawn on it, in its order: the script draws the k-th into the k-th place.
 
-    Every text is escaped by the template; data of plots is JSON in which `<` cannot end a script.
+    Every text is escaped by the template, or by its filter `symbols`; data of plots is JSON in which `<` cannot
+    end a script.
     """
     environment = Environment(
         loader=FunctionLoader(asset), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    environment.filters["symbols"] = symbols
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     return environment.get_template(template).render(
         style=Markup(asset("page.css")),

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
-from decimal import ROUND_FLOOR, Context, Decimal
+from decimal import ROUND_CEILING, ROUND_FLOOR, ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from markupsafe import Markup, escape
+
 from ....models.rational import exact, to_float
 from ...spec.units import MECHANICS
+from ..phrases import margin_phrase
 
 if TYPE_CHECKING:
+    from ...certificate.claim import Claim
     from ...spec.model import Interval, Spec
 
 SHORT, LONG, DECIMALS = 6, 9, 5  # digits of a number; below 10⁻⁵ and beyond its digits it gets a power of ten
 SYMBOLS = {"I": "inertia", "B": "damping", "K": "stiffness"}
+SYMBOL = re.compile(r"(?<![\w.])([^\W\d_])_([^\W_]+)(?!\w)")  # ω_B, K_sp: a letter and its index
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -33,14 +39,28 @@ def number(value: Fraction | float) -> str:
     return f"≈ {_written(rounded(exactly, SHORT), SHORT)}"
 
 
-def rounded(value: Fraction, digits: int) -> Decimal:
-    """The nearest decimal with so many digits, without trailing zeros; of any size."""
-    return Context(prec=digits).divide(Decimal(value.numerator), Decimal(value.denominator)).normalize()
+def rounded(value: Fraction, digits: int, rounding: str = ROUND_HALF_EVEN) -> Decimal:
+    """The nearest decimal with so many digits, or the next one, without trailing zeros; of any size."""
+    context = Context(prec=digits, rounding=rounding)
+    return context.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize()
 
 
 def floor(value: Fraction) -> str:
     """Six digits, rounded down: what is proven of the exact number holds of the printed one."""
     return f"{Context(prec=SHORT, rounding=ROUND_FLOOR).divide(Decimal(value.numerator), Decimal(value.denominator)):f}"
+
+
+def margin(claim: Claim, motion: str) -> str:
+    """What a claim's margin says, with its unit; six digits, rounded so that it stays proven; nothing without one."""
+    if claim.margin is None:
+        return ""
+    phrase, rounding = margin_phrase(claim.form, motion)
+    return phrase.format(_written(rounded(claim.margin, SHORT, rounding), SHORT))
+
+
+def symbols(text: str) -> Markup:
+    """Text as HTML, escaped, in which symbols with an index are typeset: ω_B, K_sp."""
+    return Markup(SYMBOL.sub(r"<i>\1</i><sub>\2</sub>", str(escape(text))))
 
 
 def _written(decimal: Decimal, digits: int) -> str:
@@ -58,8 +78,9 @@ def load_names(loads: Sequence[Any]) -> list[str]:
 
 
 def span(low: Fraction, high: Fraction | None) -> str:
-    """An interval of frequencies."""
-    return f"[{number(low)}, {'∞' if high is None else number(high)}]"
+    """An interval of frequencies; six digits, rounded inwards."""
+    first = _written(rounded(low, SHORT, ROUND_CEILING), SHORT)
+    return f"[{first}, {'∞' if high is None else _written(rounded(high, SHORT, ROUND_FLOOR), SHORT)}]"
 
 
 def quantity(value: Fraction | Interval, unit: str, nominal: Fraction | None = None) -> str:
