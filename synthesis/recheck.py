@@ -64,17 +64,27 @@ def recheck(
 
 def conceded(setting: Setting, claim: Claim) -> Claim | None:
     """The same claim halfway to the level that is required: what only is reported becomes undecided, else None."""
-    found = [c for c in constraints(setting, claim.id) if (c.id, c.form) == (claim.id, claim.form)]
-    role = found[0].role if found else Role.RADIUS  # a box is stretched as a radius is
-    least = Fraction(0) if role is Role.FLOOR else Fraction(1)
-    required = found[0].level if found and found[0].level is not None else least
-    level = required if claim.required or role is not Role.CEILING else None
-    conceivable = found or claim.form == "box"
-    if not conceivable or claim.margin is None or claim.margin == level:
-        if claim.required or not conceivable:
+    entered = _required(setting, claim)
+    if entered is None or claim.margin is None or claim.margin == entered[1]:
+        if claim.required or claim.id == "bandwidth":
             return None
         return replace(claim, status=Outcome.UNDECIDED, margin=None, refuted_at=None)
+    role, level = entered
     halfway = claim.margin * Fraction(11, 10) if level is None else (claim.margin + level) / 2
     margin = short(float(halfway), up=role is Role.CEILING)
     near = level is not None and abs(claim.margin - level) <= Fraction(1, 100) * max(level, Fraction(1, 10**9))
     return replace(claim, margin=level if near else margin)
+
+
+def _required(setting: Setting, claim: Claim) -> tuple[Role, Fraction | None] | None:
+    """How a claim's level enters, and the one that is required; None where there is nothing to concede."""
+    if claim.form == "box":  # it is stretched as a radius is
+        return Role.RADIUS, Fraction(1)
+    if claim.id == "tolerance":
+        return Role.RADIUS, setting.spec.constraints.tolerance or Fraction(0)
+    found = [c for c in constraints(setting, claim.id) if (c.id, c.form) == (claim.id, claim.form)]
+    if not found or claim.id == "bandwidth":  # the intervals of other claims end at ω_B
+        return None
+    least = Fraction(0) if found[0].role is Role.FLOOR else Fraction(1)
+    asked = found[0].level if found[0].level is not None else least
+    return found[0].role, asked if claim.required or found[0].role is not Role.CEILING else None

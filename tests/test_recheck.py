@@ -70,6 +70,25 @@ def test_what_is_required_is_never_conceded(paper: Result, monkeypatch: pytest.M
     assert reported is not None and reported.status is Outcome.UNDECIDED
 
 
+def test_the_bandwidth_is_never_conceded_because_other_claims_end_there(
+    paper: Result, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert recheck.conceded(setting_of(SPEC), of(paper.claims, ("bandwidth", "attenuation"))) is None
+    monkeypatch.setattr(recheck, "check_bytes", unsure_above(("bandwidth", "attenuation"), Fraction(1)))
+    with pytest.raises(UndecidedError, match="cannot confirm it: hm"):
+        synthesize(SPEC)
+
+
+def test_the_tolerance_is_conceded_down_to_the_one_asked_for(paper: Result) -> None:
+    asked = Fraction(1, 10**6)
+    constraints = SPEC.constraints.model_copy(update={"tolerance": asked})
+    setting = setting_of(SPEC.model_copy(update={"constraints": constraints}))
+    claim = replace(of(paper.claims, ("eq9", "printed")), id="tolerance", form="coefficients", margin=3 * asked)
+    weaker = recheck.conceded(setting, claim)
+    assert weaker is not None and weaker.margin == 2 * asked
+    assert recheck.conceded(setting, replace(claim, margin=asked)) is None
+
+
 def test_a_contradiction_is_no_doubt(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recheck, "check_bytes", unsure_above(("eq9", "printed"), Fraction(1), ExitCode.REFUTED))
     with pytest.raises(RobimpError, match="prover says proven, the independent checker says: hm"):

@@ -42,8 +42,9 @@ class Prover:
         if key not in self.joints:
             self.joints = self.joints if len(self.joints) < VIEWS else {}
             middle = point | {name: (lo + hi) / 2 for name, (lo, hi) in symbols.items()}
-            self.joints[key] = Joint(self.spec, self.controller, middle)
-            self.joints[key].others = [self.joint(middle | {name: hi}) for name, (_, hi) in symbols.items()]
+            joint = Joint(self.spec, self.controller, middle)
+            joint.others = [self.joint(middle | {name: hi}) for name, (_, hi) in symbols.items()]
+            self.joints[key] = joint  # now: the others may have emptied the store
         return self.joints[key]
 
     def view(self, cell: Cell, point: Point) -> View:

@@ -90,7 +90,7 @@ def port_ends(friction: bool, j: Joint, nominal: Joint, cell: Cell, load: Load) 
     power = (S * S if cell.far and not friction else ONE) * cell.axis(ONE)
     below, over = j.value(cell, name, j.nominal) * by, by * power.inverse()
     for g in j.loads(load):
-        A, B = j.value(cell, "stability-free", g) * over, cell.axis(j.E * g) * over
+        A, B = j.value(cell, "stability-free", g) * over, cell.spread(*(k.E * g for k in (j, *j.others))) * over
         finite = A.bounded() and B.bounded() and below.bounded()
         a, b, c = (z.p.at(0) if finite else cell.form(-1) for z in (A, B, below))
         yield Inequality([], c * c)

@@ -7,6 +7,7 @@ import copy
 import math
 import random
 from fractions import Fraction
+from pathlib import Path
 from time import monotonic
 
 import numpy as np
@@ -28,7 +29,7 @@ from certificate_builder import (
 )
 from claim_floats import Joint, Json, num
 
-from robimp.synthesis.check import check_bytes
+from robimp.synthesis.check import check_bytes, proofs
 from robimp.synthesis.check.proofs import Prover
 from robimp.synthesis.check.reader import read
 
@@ -480,3 +481,9 @@ def test_time_limits() -> None:
         start = monotonic()
         assert check_bytes(data(cert), time_limit=limit).exit_code == 5
         assert monotonic() - start < 1
+
+
+def test_a_store_of_joints_that_is_emptied_while_one_is_made_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(proofs, "VIEWS", 2)
+    verdict = check_bytes((Path(__file__).parents[1] / "data/golden/sampled-range.json").read_bytes(), time_limit=300)
+    assert verdict.exit_code == 0, verdict.message
