@@ -85,7 +85,7 @@ def test_the_tolerance_is_conceded_down_to_the_one_asked_for(paper: Result) -> N
     setting = setting_of(SPEC.model_copy(update={"constraints": constraints}))
     claim = replace(of(paper.claims, ("eq9", "printed")), id="tolerance", form="coefficients", margin=3 * asked)
     weaker = recheck.conceded(setting, claim)
-    assert weaker is not None and weaker.margin == 2 * asked
+    assert weaker is not None and weaker.margin is not None and asked < weaker.margin <= 2 * asked
     assert recheck.conceded(setting, replace(claim, margin=asked)) is None
 
 
