@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from latex2mathml.converter import convert
+from mkdocs.plugins import event_priority
 
 from robimp import synthesis
 
@@ -28,6 +29,7 @@ def mathml(html: str) -> str:
     return FORMULA.sub(drawn, html)
 
 
+@event_priority(100)  # before mkdocstrings looks which of its paths exist
 def on_config(config: Any) -> Any:
     """Put `models` and `synthesis` under build/names/robimp, where the API reference is read without importing them."""
     names = ROOT / "build" / "names" / "robimp"

@@ -30,6 +30,7 @@ def build(configuration: Path, site: Path) -> subprocess.CompletedProcess[str]:
 def site(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     """Every page by its name, as it is built."""
     folder = tmp_path_factory.mktemp("site")
+    shutil.rmtree(ROOT / "build" / "names", ignore_errors=True)  # as in a fresh clone
     done = build(ROOT / "mkdocs.yml", folder)
     assert done.returncode == 0, done.stderr
     return {str(path.relative_to(folder)): path.read_text(encoding="utf-8") for path in folder.rglob("*.html")}
