@@ -57,7 +57,7 @@ def weakest(family: Family, required: Required) -> Weakest | None:
     for constraint, v in required:
         prover = CellProver(replace(family, tolerance=TRIAL))
         omega = np.unique(np.concatenate([_frequencies(cells) for cells in prover.axis(constraint.band)]))
-        for _ in range(4):
+        for _ in range(4 if omega.size else 0):  # a band without any cell has nothing to break
             found = _on_grid(prover, constraint, v, omega)
             if found is None:
                 break
