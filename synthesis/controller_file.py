@@ -59,7 +59,7 @@ def stale(certified: dict[str, Any], asked: Controller) -> list[str]:
             against = [_part_differences(f"controller.{n}", known[n], part) for n in known]
             nearest = min(against, key=len)
             found += nearest
-        elif name in known and not (name == "C" and any("controller.Q" in line for line in found)):
+        elif name in known and not (name == "C" and "Q" in known and any("controller.Q" in line for line in found)):
             found += _part_differences(f"controller.{name}", known[name], part)
         elif name not in known:
             found.append(f"controller.{name}: only in the controller file")

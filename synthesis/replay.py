@@ -112,7 +112,7 @@ def repeat_experiment(content: dict[str, Any], file: str, name: str) -> Experime
     spec, C = from_canonical(content["spec"], file), polynomials(content["controller"]["C"])
     if name != "hunting":  # which has no numbers of the paper but a friction, and a linear joint scales with it
         demand_papers_joint(spec)
-    return replace(EXPERIMENTS[name](spec, (C.numerator, C.denominator)), notes=notes(spec))
+    return replace(EXPERIMENTS[name](spec, (C.numerator, C.denominator)), notes=notes(spec, wishes=name != "hunting"))
 
 
 def _demand_texts(written: dict[str, Any], expected: dict[str, Any], file: str) -> None:

@@ -17,7 +17,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"models": ROOT / "models", "synthesis": ROOT / "synthesis"}
 LAYERS = ["errors", "interruption", "storage", "notebook", "models", "spec", "problem", "solve", "certificate", "check"]
-LAYERS += ["simulation", "report", "identify", "agreement", "recheck", "pipeline", "sweep", "written", "challenge"]
+LAYERS += ["simulation", "written", "report", "identify", "agreement", "recheck", "pipeline", "sweep", "challenge"]
 LAYERS += ["replay"]
 LAYERS += ["controller_file", "judgement", "export", "api", "cli"]
 HEAVY = ("cvxpy", "casadi", "control", "matplotlib", "numpy", "flint")

@@ -181,6 +181,7 @@ def test_the_controller_may_be_a_certificate(paper: Path, stiff: Path, results: 
     feedback = results / FEEDBACK.stem / "certificate.json"
     line = refused(ExitCode.MISMATCH, "check", feedback, "--controller", paper)
     assert "controller.type dynamic-feedback → dob" in line and "controller.Q: only in the controller file" in line
+    assert "controller.C." in line, "without a Q of its own, its C follows nothing"
 
 
 UNUSABLE = {

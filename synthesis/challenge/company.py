@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..agreement import ENERGY_ROUNDING
 from ..simulation.adversary.coupled import WALL, Contact, contacts
 from ..simulation.adversary.finding import Finding, Side
 from ..simulation.adversary.friction import rest_under_friction
 from ..simulation.adversary.population import Population, Reality
 from .proven import Subject
 
-ENERGY_ROUNDING = 1e-9  # of the largest energy that passed the port
 FEW = 4  # members of ranges that meet every environment
 
 
@@ -46,7 +46,7 @@ def friction(subject: Subject) -> Iterator[Finding]:
 def drawn_joints(subject: Subject, found: Population) -> Iterator[Finding]:
     """Energy and decay of the joints drawn, against whatever makes every load stable or passive."""
     passive = subject.passive
-    robust = passive or subject.proven("stability-free", "box") is not None
+    robust = passive or subject.robust
     grew = int(found.grew.sum())
     who = f"{len(found.loads)} joints drawn, {found.ticks} ticks of {found.tick * 1e3:g} ms"
     yield Finding(

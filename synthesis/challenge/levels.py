@@ -8,6 +8,7 @@ from math import inf
 
 import numpy as np
 
+from ..agreement import NOMINAL
 from ..certificate.claim import Claim
 from ..simulation import Member
 from ..simulation.adversary import tones
@@ -26,7 +27,6 @@ ROUNDING = 1e-6  # of a bound
 JUST = 1 + 1e-4  # of a frequency: just beyond it
 FILLED = 0.03  # of a complex figure: what a Δ that does not fill its disc may miss
 FAILS = "the claim is said to fail at"
-NOISE = 1e-9  # of the complex figure a run measures
 
 
 @dataclass(frozen=True)
@@ -104,12 +104,12 @@ def _level(subject: Subject, claim: Claim, level: Level, band: tuple[float, floa
         if disc is not None:
             which, delta = worst_within(loops, quantity, disc, band, hints)
             omega, loop = delta.omega, loops[which].with_law(delta.laws())
+            bad = float(quantity.of(loop, np.array([omega]))[0])
             built = f", |Δ| = {delta.gain:.4g}"
         else:
             each = [(lambda omega, loop=loop, q=quantity: q.of(loop, omega)) for loop in loops]
-            which, omega = tones.worst(each, band, hints)
+            which, omega, bad = tones.worst(each, band, hints)
             loop = loops[which]
-        bad = float(quantity.of(loop, np.array([omega]))[0])
         found.append((bad, loop, quantity, omega, f"at {omega:.6g} rad/s, {loop.of}{member}{built}"))
     stable = [each for each in found if each[1].poles.stable]
     if not stable:
@@ -117,8 +117,7 @@ def _level(subject: Subject, claim: Claim, level: Level, band: tuple[float, floa
         return
     _, loop, quantity, omega, where = max(stable, key=lambda each: each[0])
     seen = tones.measured(loop, quantity, omega)
-    slack = ROUNDING * abs(bound) + (NOISE + 10 * seen.error) * seen.size
-    sign = -1 if quantity.resists else 1
+    slack, sign = ROUNDING * abs(bound) + seen.slack, quantity.sign
     agrees = seen.worse <= sign * bound + slack
     filters = subject.spec.controller.filters
     if claim.form == "paper" and (filters.position is not None or filters.derivative is not None):
@@ -156,7 +155,7 @@ def _beyond_band(subject: Subject) -> Iterator[Finding]:
     tried = [omega for omega in tried if omega <= float(claim.refuted_at.value)]
     runs = [(tones.measured(loop, tones.ATTENUATION, omega * step), omega) for omega in tried for step in (1, JUST)]
     seen, omega = max(runs, key=lambda run: run[0].worse)
-    slack = ROUNDING * level + (NOISE + 10 * seen.error) * seen.size
+    slack = ROUNDING * level + seen.slack
     why = "too near the level to tell" if abs(seen.worse - level) <= slack else ""
     what = f"|1−Q̃| just beyond ω_B, at {omega:.6g} rad/s"
     yield outside(
@@ -173,7 +172,7 @@ def _decays(subject: Subject) -> Iterator[Finding]:
     """The nominal joint thrown and left alone, until only its slowest motion remains."""
     spec, C = subject.spec, subject.C
     for end, loop in (("free", free(spec, C, nominal_load(spec))), ("locked", locked(spec, C))):
-        for form in ("hurwitz", "winding"):
+        for form in NOMINAL:
             if claim := subject.proven(f"stability-{end}", form):
                 yield from _decay(claim, loop)
 

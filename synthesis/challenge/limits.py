@@ -14,7 +14,7 @@ from ..simulation.adversary import tones
 from ..simulation.adversary.bounds import Bound, lumped, on_top
 from ..simulation.adversary.delta import attack, reachable
 from ..simulation.adversary.finding import Finding, Side, outside
-from ..simulation.adversary.loop import Array, Loop, free, locked
+from ..simulation.adversary.loop import Loop, free, locked
 from ..simulation.adversary.motion import Decay, left_alone
 from ..simulation.adversary.stretched import (
     hardest,
@@ -32,6 +32,7 @@ EXACT = ("printed", "half-plane/frozen", "half-plane/physical")  # forms necessa
 BEYOND = 1.02  # times the level at which a claim fails: just outside
 WITHIN = 0.98
 ROUNDING = 1e-6  # relative, of a factor
+AT_AN_END = "it fails at ω = 0 or ∞, where no motion shows it"
 MARGINAL = 1e-6  # relative to its frequency, a rate that may be rounding
 
 
@@ -82,7 +83,7 @@ def _excuse(claim: Claim, otherwise: str) -> str:
     """Why a Δ just outside need not be found."""
     if claim.form not in EXACT:
         return "this form is only sufficient"
-    return otherwise if hints_of(claim) else "it fails at ω = 0 or ∞, where no motion shows it"
+    return otherwise if hints_of(claim) else AT_AN_END
 
 
 def discs(subject: Subject) -> Iterator[Finding]:
@@ -115,7 +116,7 @@ def boxes(subject: Subject) -> Iterator[Finding]:
         ]
         run = left_alone(max(loops, key=lambda loop: loop.rate))
         what = f"slowest corner of {float(margin):.6g} × the box; late over early motion"
-        yield Finding(name, "inside", what, run.late / max(run.early, 1e-300), None, not run.grows)
+        yield Finding(name, "inside", what, run.growth, None, not run.grows)
         yield from _beyond_box(subject, claim, end)
 
 
@@ -186,21 +187,20 @@ def partners(subject: Subject) -> Iterator[Finding]:
         stretches = [("outside", 1.0)]
     for side, stretch in stretches:
         loads = vertices(spec, stretch)
-        which, omega = hardest(spec, C, loads, subject.band, hints)
+        which, omega, fed = hardest(spec, C, loads, subject.band, hints)
         loop = free(spec, C, loads[which])
         other = partner(loop, omega)
         end = left_alone(loop.with_law(other.laws()), omega)
         drawn = ""
         if side == "outside" and loop.poles.stable:
-            fed = -tones.measured(loop, tones.RESISTANCE, omega).worse
-            drawn = f", Re(Z/jω) = {fed:.4g} N·m·s/rad measured"
+            seen = -tones.measured(loop, tones.RESISTANCE, omega).worse
+            drawn = f", Re(Z/jω) = {seen:.4g} N·m·s/rad measured"
         what = f"{stretch:.5g} × the box, mass {other.inertia:.4g} on spring {other.stiffness:.4g}"
         what += f" at {omega:.5g} rad/s{drawn}; rate [/s]"
         if side == "inside":
             yield Finding("eq12 structured", side, what, end.rate, None, not end.grows)
         else:
-            feeds = float(tones.RESISTANCE.of(loop, np.array([omega]))[0]) > 0
-            why = "Re(Z/jω) < 0, but this partner does not make it grow" if feeds else _unseen(subject, claim)
+            why = "Re(Z/jω) < 0, but this partner does not make it grow" if fed > 0 else _unseen(subject, claim)
             yield outside("eq12 structured", what, end.grows, measured=end.rate, why=why)
 
 
@@ -210,10 +210,8 @@ def _unseen(subject: Subject, claim: Claim) -> str:
         return "it fails for a Δ on top of the box"
     if claim.refuted_at is not None and claim.refuted_at.value > 0:
         return "what is refuted asks for more than passivity"
-    return "" if hints_of(claim) else "it fails at ω = 0 or ∞, where no motion shows it"
+    return "" if hints_of(claim) else AT_AN_END
 
 
 def _resistance(spec: Spec, subject: Subject, hints: tuple[float, ...]) -> float:
-    loads: Array = vertices(spec)
-    which, omega = hardest(spec, subject.C, loads, subject.band, hints)
-    return -float(tones.RESISTANCE.of(free(spec, subject.C, loads[which]), np.array([omega]))[0])
+    return -hardest(spec, subject.C, vertices(spec), subject.band, hints)[2]

@@ -7,14 +7,16 @@ from fractions import Fraction
 
 import numpy as np
 
+from ...models.rational import descending
+from ..problem.setting import Setting
 from ..simulation import Member, members
 from ..simulation.adversary import tones
 from ..simulation.adversary.finding import Finding, outside
-from ..simulation.adversary.loop import Loop, free, locked
+from ..simulation.adversary.loop import Array, Loop, free, locked
 from ..simulation.adversary.motion import left_alone
 from ..simulation.equations import Compensator
 from ..spec.model import Polynomials, Spec
-from .levels import LEVELS, NOISE, Level, loops_of
+from .levels import LEVELS, Level, loops_of
 from .proven import Subject, load_of, nominal_load, witness_of
 
 TRIED = 16  # sets of signs of the errors
@@ -32,10 +34,10 @@ def tolerance(subject: Subject, coefficients: Polynomials, seed: int) -> Iterato
     rng = np.random.default_rng(seed)
     tried = [_wrong(coefficients, claim.margin, rng) for _ in range(TRIED)]
     for end in ("free", "locked"):
-        loops = [_nominal(subject.spec, compensator(subject.spec, each), end) for each in tried]
+        loops = [_joint(subject.spec, compensator(subject.spec, each), end) for each in tried]
         run = left_alone(max(loops, key=lambda loop: loop.rate))
         what = f"slowest of {TRIED} controllers wrong by {float(claim.margin):.4g}, {end}; late over early motion"
-        yield Finding(NAME, "inside", what, run.late / max(run.early, 1e-300), None, not run.grows)
+        yield Finding(NAME, "inside", what, run.growth, None, not run.grows)
     wrong = [Subject(subject.spec, compensator(subject.spec, each), {}) for each in tried]
     built: dict[bool, list[tuple[Member, list[Loop]]]] = {}  # against a wall or not
     for kind, level in LEVELS.items():
@@ -51,12 +53,8 @@ def tolerance(subject: Subject, coefficients: Polynomials, seed: int) -> Iterato
 
 def compensator(spec: Spec, coefficients: Polynomials) -> Compensator:
     """C of coefficients of Q, `C = Q/(1−Q)`, or of C_imp."""
-    numerator, denominator = coefficients.numerator, coefficients.denominator
-    if spec.controller.type != "dob":
-        return numerator, denominator
-    size = max(len(numerator), len(denominator))
-    padded = [(Fraction(0),) * (size - len(part)) + part for part in (numerator, denominator)]
-    return numerator, tuple(b - a for a, b in zip(*padded, strict=True))
+    C = Setting.of(spec).compensator(coefficients)
+    return descending(C.num), descending(C.den)
 
 
 def _wrong(coefficients: Polynomials, v: Fraction, rng: np.random.Generator) -> Polynomials:
@@ -66,8 +64,9 @@ def _wrong(coefficients: Polynomials, v: Fraction, rng: np.random.Generator) -> 
     return Polynomials(numerator=moved(coefficients.numerator), denominator=moved(coefficients.denominator))
 
 
-def _nominal(spec: Spec, C: Compensator, end: str) -> Loop:
-    return free(spec, C, nominal_load(spec)) if end == "free" else locked(spec, C)
+def _joint(spec: Spec, C: Compensator, end: str, load: Array | None = None) -> Loop:
+    """Against a wall, or free with a load, the nominal one if none is given."""
+    return locked(spec, C) if end == "locked" else free(spec, C, nominal_load(spec) if load is None else load)
 
 
 def _required(subject: Subject, kind: tuple[str, str]) -> float | None:
@@ -106,8 +105,8 @@ def _met(
     what += f"; required {required:.6g}"
     if not loop.poles.stable:
         return Finding(NAME, "inside", f"{what}; unstable", None, None, False)
-    seen, sign = tones.measured(loop, quantity, omega), -1 if quantity.resists else 1
-    agrees = seen.worse <= sign * required + ROUNDING + 10 * seen.error * seen.size
+    seen, sign = tones.measured(loop, quantity, omega), quantity.sign
+    agrees = seen.worse <= sign * required + ROUNDING * abs(required) + seen.slack
     return Finding(NAME, "inside", what, sign * seen.worse, None, agrees)
 
 
@@ -124,19 +123,15 @@ def _outside(subject: Subject) -> Iterator[Finding]:
         yield outside(NAME, "no controller to try", False, bound=margin, why=why)
         return
     member, C, load = subject.joints(claim)[0], compensator(subject.spec, witness.controller), load_of(witness)
-    loop = (
-        locked(member.spec, C)
-        if level.locked
-        else free(member.spec, C, nominal_load(member.spec) if load is None else load)
-    )
+    loop = _joint(member.spec, C, "locked" if level.locked else "free", load)
     quantity, value = level.quantity(member.spec), float(claim.refuted_at.value)
     what = f"witness's controller, {' '.join(witness.claim or ())}"
     if not loop.poles.stable:
         yield outside(NAME, f"{what}: unstable; relative error", True, measured=value, bound=margin)
         return
     seen = tones.measured(loop, quantity, float(witness.omega))
-    sign = -1 if quantity.resists else 1
+    sign = quantity.sign
     what += f" {sign * seen.worse:.12g} where {required:.6g} is required; relative error"
     beyond = seen.worse - sign * required
-    why = "too near what is required to tell" if abs(beyond) <= (NOISE + 10 * seen.error) * seen.size else ""
+    why = "too near what is required to tell" if abs(beyond) <= seen.slack else ""
     yield outside(NAME, what, beyond > 0, measured=value, bound=margin, why=why)

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...models.rational import fraction
+from ..agreement import NOMINAL
 from ..certificate.claim import Claim
+from ..certificate.document import robustly_stable
 from ..certificate.outcome import Outcome
 from ..certificate.witness import Witness
+from ..problem.setting import Setting
 from ..simulation import Drive, Load, Member, default_frequencies, members
 from ..simulation.adversary.loop import Array
 from ..simulation.equations import Compensator
@@ -36,8 +39,12 @@ class Subject:
     @property
     def stable(self) -> bool:
         """Whether the nominal joint is proven to be stable, free and locked."""
-        forms = ("hurwitz", "winding")
-        return all(any(self.proven(f"stability-{end}", form) for form in forms) for end in ("free", "locked"))
+        return all(any(self.proven(f"stability-{end}", form) for form in NOMINAL) for end in ("free", "locked"))
+
+    @property
+    def robust(self) -> bool:
+        """Whether every load of the uncertainty, in every joint of the ranges, is proven to be stable."""
+        return robustly_stable(Setting.of(self.spec), tuple(self.claims.values()))
 
     @property
     def passive(self) -> bool:

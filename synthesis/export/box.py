@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice, product
 from math import pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq
@@ -26,7 +26,7 @@ from flint import fmpq
 from ..certificate.claim import Claim, Refutation
 from ..certificate.enclosure.cells import Cells, Part, axis
 from ..certificate.enclosure.claims import EVERY
-from ..certificate.enclosure.form import Form
+from ..certificate.enclosure.exclusion import off_zero
 from ..certificate.enclosure.joint import Family
 from ..certificate.enclosure.wave import Wave
 from ..certificate.outcome import Outcome
@@ -51,7 +51,7 @@ ABOVE = 1 + 1e-12  # for roundings of single steps
 
 @dataclass(frozen=True)
 class Box:
-    """Every joint of a family's boxes, at one end (free or locked), under one law. C: for the parameters' names."""
+    """Every joint of a family's boxes, at one end (free or locked), under one law."""
 
     family: Family
     law: Law
@@ -82,8 +82,7 @@ class Box:
     def excluded(self, spread: Fraction) -> bool:
         """Whether f ≠ 0 on the whole circle for every joint of the box stretched by a factor."""
         setting = self.family.setting
-        unheld = replace(setting, loop=replace(setting.loop, actuator=replace(setting.loop.actuator, hold=None)))
-        family = replace(self.family, setting=unheld, spread=spread, loads=True)
+        family = replace(self.family, setting=setting.held(None), spread=spread, loads=True)
         m, rate = len(family.parameters), float(self.law.rate)
         last = short(pi * rate * ABOVE, digits=12, up=True)
         kappa = self._kappa(family, pi * rate * (1 - 1e-9))
@@ -93,7 +92,7 @@ class Box:
         bent = np.array([k for k, name in enumerate(family.parameters) if name.startswith("actuator.")], dtype=int)
         for cells in axis(min(low, rate), float(last) * 2, m, START, (Fraction(0), last)):
             for turn in range(ROUNDS):
-                away = _off_zero(self._f(family, cells, kappa), cells.part)
+                away = off_zero([self._f(family, cells, kappa)], cells)
                 cells = cells[~away]
                 if not cells.size:
                     break
@@ -112,7 +111,7 @@ class Box:
         assert hold is not None
         num, den, feedback, behind = joint.characteristic(self.end)
         high = cells.z[1] * ABOVE
-        R = ABOVE * kappa * ZETA_3 * (1 / (omega_s * (1 - 1e-12) - high) ** 3 + 1 / (omega_s * (1 - 1e-12)) ** 3)
+        R = alias_bound(kappa, omega_s * (1 - 1e-12), high)
         aliases = Wave(cells.ball(-high * R, high * R), cells.ball(-R, R), joint.s.x)
         return den * behind + feedback * (num * cells.hold(hold) + den * aliases)
 
@@ -150,23 +149,11 @@ class Box:
         return {name.split(".")[1]: value for name, value in values.items() if name.startswith(part)}
 
 
+def alias_bound(kappa: float, omega_s: float, omega: Any) -> Any:
+    """`|R|/ω ≤ κ ζ(3) (1/(ω_s − ω)³ + 1/ω_s³)`, at frequencies ω [rad/s] below half of ω_s."""
+    return ABOVE * kappa * ZETA_3 * (1 / (omega_s - omega) ** 3 + 1 / omega_s**3)
+
+
 def _widest(cells: Cells, among: NDArray[np.int_]) -> NDArray[np.int_]:
     """Of these parameters the one of which most is left."""
     return np.asarray(among[np.argmax((cells.t[1] - cells.t[0])[among], axis=0)])
-
-
-def _off_zero(f: Wave, part: Part) -> NDArray[np.bool_]:
-    """Whether a line separates the values of f = p + jωq from 0: in the plane (p, q); by p alone where ω may be 0."""
-    zero = f.x.constant(0)
-    p, q = (side.shifted(0) if isinstance(side, Form) else zero for side in (f.p, f.q))
-    if part is not Part.MIDDLE:
-        return np.asarray((p.lower > 0) | (p.upper < 0))
-    unit = np.maximum(np.abs(q.c).max(axis=0), 1e-300) / np.maximum(np.abs(p.c).max(axis=0), 1e-300)
-    a, b, a_rho, b_rho = p.c * unit, q.c, p.rho * unit, q.rho  # of one size, or directions lose their digits
-    away = np.zeros(a.shape[1], dtype=bool)
-    for u, v in [(a[0], b[0]), *((b[i], -a[i]) for i in range(1, len(a)))]:
-        along = u * a + v * b
-        sizes = np.abs(u) * np.abs(a).sum(axis=0) + np.abs(v) * np.abs(b).sum(axis=0)
-        reach = np.abs(along[1:]).sum(axis=0) + np.abs(u) * a_rho + np.abs(v) * b_rho
-        away |= np.abs(along[0]) > reach * (1 + 1e-9) + 1e-12 * sizes
-    return away

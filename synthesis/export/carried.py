@@ -15,7 +15,7 @@ from ..errors import ExitCode
 from ..problem.setting import LOAD
 from ..spec import number_text
 
-LEFT, LOST = "not re-proven", "lost"
+LEFT, LOST, NEEDLESS = "not re-proven", "lost", "not needed"
 DECAY = "sampled"  # form of the claims whose margin is a rate of decay [1/s]; the certificate has none to compare
 KEPT = Fraction(99, 100)  # of the certificate's ω_B; measured: a hold at 1 kHz costs 0.2 to 0.4 % of 9 to 18 rad/s
 
@@ -25,7 +25,7 @@ class Carried:
     """One claim of the certificate: what became of it.
 
     claim: as re-proven for the shipped coefficients in the sampled loop; None where nobody tried, and `note` says why.
-    certified: the margin the certificate has for the continuous controller.
+    certified: the margin the certificate has for the continuous controller. needless: there is nothing to prove.
     """
 
     id: str
@@ -34,12 +34,13 @@ class Carried:
     certified: Fraction | None
     claim: Claim | None
     note: str = ""
+    needless: bool = False
 
     @property
     def status(self) -> str:
-        """proven, refuted, undecided, lost (a bandwidth of which too little is left), or not re-proven."""
+        """proven, refuted, undecided, lost (a bandwidth of which too little is left), not re-proven, or not needed."""
         if self.claim is None:
-            return LEFT
+            return NEEDLESS if self.needless else LEFT
         return LOST if self.is_bandwidth and self.share < KEPT else self.claim.status.value
 
     @property
@@ -117,7 +118,7 @@ def _numbers(load: DynamicStiffness) -> dict[str, str]:
 
 def lost(carried: Sequence[Carried]) -> list[Carried]:
     """The required claims that do not hold for the exported controller, or are not proven to."""
-    return [each for each in carried if each.required and each.status != Outcome.PROVEN.value]
+    return [each for each in carried if each.required and each.status not in (Outcome.PROVEN.value, NEEDLESS)]
 
 
 def bandwidth(carried: Sequence[Carried]) -> str:

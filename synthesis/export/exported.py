@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from importlib.metadata import version
 from pathlib import Path
@@ -13,20 +13,21 @@ from typing import TYPE_CHECKING, Any
 from ...models.rational import exact
 from ...models.sampling import Hold
 from ..check import check_bytes
-from ..errors import ExitCode, InputError, Location, MismatchError, RefutedError, RobimpError, UndecidedError
+from ..check.reader import MAX_BYTES
+from ..errors import ExitCode, InputError, MismatchError, RefutedError, RobimpError, UndecidedError
 from ..interruption import demanding
 from ..notebook import card
 from ..problem.setting import Setting
 from ..report.cards import tone
 from ..spec import from_canonical
-from ..spec.model import Polynomials
 from ..spec.units import RATE, parse_quantity
-from ..storage import write_atomic
+from ..storage import bounded_bytes, write_atomic
+from ..written import polynomials
 from .carried import Carried, bandwidth, exit_code, lost
 from .law import Law, discretised
 from .proofs import carried_over
 from .sections import DTYPE, Sections
-from .targets import TARGETS, Subject, demand_rate, files_of
+from .targets import TARGETS, Subject, demand_rate, document, files_of
 
 if TYPE_CHECKING:
     import control
@@ -81,8 +82,7 @@ class Exported:
 
     def to_json(self) -> dict[str, Any]:
         """The content of `export.json`."""
-        found: dict[str, Any] = json.loads(self.files["export.json"])
-        return found
+        return document(self.subject)
 
     def to_control(self) -> dict[str, control.TransferFunction]:
         """Compensator and filters as discrete `control.TransferFunction`, of the sampling period."""
@@ -145,7 +145,7 @@ def export(
     _demand(precision in DTYPE, f"--precision: expected {', '.join(DTYPE)}; found {precision}")
     hertz = _rate(rate)
     progress = demanding(progress)
-    data = certificate if isinstance(certificate, bytes) else _read(Path(certificate))
+    data = certificate if isinstance(certificate, bytes) else bounded_bytes(Path(certificate), MAX_BYTES)
     progress("checking the certificate")
     checked = check_bytes(data, time_limit=time_limit)
     if checked.exit_code != ExitCode.PROVEN:
@@ -154,7 +154,7 @@ def export(
     spec = from_canonical(content["spec"])
     setting, hertz = _sampled(Setting.of(spec), hertz)
     demand_rate(target, hertz)
-    coefficients = _coefficients(content["controller"]["Q" if spec.controller.type == "dob" else "C"])
+    coefficients = polynomials(content["controller"]["Q" if spec.controller.type == "dob" else "C"])
     C = setting.compensator(coefficients)
     law = discretised(setting, C, hertz, precision, float(Fraction(content["bandwidth"]["proven"])))
     carried = carried_over(setting, C, law, content["claims"], progress)
@@ -170,13 +170,6 @@ def export(
         ),
         target,
     )
-
-
-def _read(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"file: cannot be read: {error.strerror or error}", Location(str(path))) from error
 
 
 def _rate(given: Fraction | float | str | None) -> Fraction | None:
@@ -206,14 +199,7 @@ def _sampled(setting: Setting, rate: Fraction | None) -> tuple[Setting, Fraction
             "--rate: the specification has no `sampling`; say the rate of your control loop, --rate '1 kHz'"
         )
     hold = Hold(1 / exact(rate), exact(0))
-    loop = replace(setting.loop, actuator=replace(setting.loop.actuator, hold=hold))
-    return replace(setting, loop=loop), rate
-
-
-def _coefficients(written: dict[str, list[str]]) -> Polynomials:
-    return Polynomials(
-        numerator=tuple(map(Fraction, written["numerator"])), denominator=tuple(map(Fraction, written["denominator"]))
-    )
+    return setting.held(hold), rate
 
 
 def _demand(holds: bool, message: str) -> None:

@@ -20,7 +20,7 @@ from flint import fmpq, fmpq_poly
 
 from ...models.controller import Compensator
 from ...models.impedance import DynamicStiffness
-from ...models.rational import RationalFunction, exact, to_float
+from ...models.rational import RationalFunction, exact, fraction, to_float
 from ..errors import InputError
 from ..problem.setting import LOAD, Setting
 from .motion import Motion
@@ -53,7 +53,7 @@ class Law:
     @property
     def rate(self) -> Fraction:
         """Samples per second [Hz]."""
-        return Fraction(int(self.period.q), int(self.period.p))
+        return 1 / fraction(self.period)
 
     @property
     def filters(self) -> dict[str, Sections]:

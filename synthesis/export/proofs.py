@@ -27,7 +27,7 @@ from .sampled_joint import SampledProver
 
 Written = dict[str, Any]
 NOMINAL = ("hurwitz", "winding")
-NOT_NEEDED = "nothing to prove, the shipped coefficients themselves are what is proven here"
+NOT_NEEDED = "the shipped coefficients themselves are what is proven here"
 PRINTED = "the printed form speaks of the continuous law"
 
 
@@ -66,7 +66,7 @@ class Reproof:
                 return replace(left, note="the nominal loop is not proven stable")
             return replace(left, claim=Box(family_of(self.setting, self.C), self.law, end).prove(margin))
         if kind[0] == "tolerance":
-            return replace(left, required=False, note=NOT_NEEDED)
+            return replace(left, note=NOT_NEEDED, needless=True)
         if kind == ("eq12", "paper"):
             return replace(left, note=PRINTED)
         if kind[0] == "bandwidth":

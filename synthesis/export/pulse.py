@@ -16,7 +16,7 @@ from math import log
 from flint import arb, arb_mat, arb_poly, ctx, fmpq, fmpq_poly
 
 from ...models.impedance import DynamicStiffness
-from ...models.rational import exact
+from ...models.rational import exact, to_float
 from ...models.sampling import Hold
 from ..certificate.claim import Claim, Refutation
 from ..certificate.outcome import Outcome
@@ -134,7 +134,7 @@ def prove_sampled(setting: Setting, law: Law, end: str) -> Claim:
 
 def _rate(p: arb_poly, period: fmpq) -> tuple[Fraction, Refutation | None]:
     """The decay rate [1/s], bisected, with the next level that fails."""
-    T = float(int(period.p) / int(period.q))
+    T = to_float(period)
     low, high = 0.0, -log(1e-6) / T
     for _ in range(HALVINGS):
         middle = (low + high) / 2

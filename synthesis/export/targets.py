@@ -16,7 +16,7 @@ from flint import fmpq
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 
 from ...models.impedance import DynamicStiffness
-from ...models.rational import exact, to_float
+from ...models.rational import exact, fraction, to_float
 from ..errors import InputError
 from ..problem.setting import LOAD, Setting
 from ..spec import number_text
@@ -70,7 +70,7 @@ class Subject:
         """Computation delay [s] that was proven with."""
         hold = self.setting.loop.actuator.hold
         assert hold is not None
-        return Fraction(int(hold.delay.p), int(hold.delay.q))
+        return fraction(hold.delay)
 
     @property
     def timing(self) -> str:
@@ -105,7 +105,6 @@ def _c(subject: Subject) -> dict[str, str]:
     torque, angle = ("N*m", "rad") if spec.motion == "rotary" else ("N", "m")
     words: dict[str, Any] = {
         "name": subject.remark,
-        "file": p,
         "stamp": sha256(_json_text(subject).encode()).hexdigest()[:8],
         "p": p,
         "P": p.upper(),
@@ -118,7 +117,6 @@ def _c(subject: Subject) -> dict[str, str]:
         "quarter": literal(0.25),
         "millihertz": int(law.rate * 1000),
         "precision": law.precision,
-        "real": law.precision,
         "version": subject.version,
         "certificate": subject.certificate,
         "spec_sha256": subject.spec_sha256,
@@ -240,8 +238,8 @@ def _control(subject: Subject) -> dict[str, str]:
         "motions": {name: _motion(getattr(law, name), repr) for name in ("error", "compensated")},
         "rate": f"{float(law.rate):.17g}",
         "filters": {name: [_texts(s) for s in cascade.sections] for name, cascade in law.filters.items()},
-        "nominal": [repr(to_float(getattr(law.nominal, name))) for name in LOAD],
-        "desired": [repr(to_float(getattr(law.desired, name))) for name in LOAD],
+        "nominal": _stiffness(law.nominal, repr),
+        "desired": _stiffness(law.desired, repr),
     }
     return {f"{subject.identifier}.py": _rendered("controller.py.j2", words)}
 

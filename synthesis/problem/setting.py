@@ -91,6 +91,10 @@ class Setting:
             loop = replace(loop, actuator=replace(elastic.two_port, hold=loop.actuator.hold))
         return replace(self, loop=loop, elastic=elastic)
 
+    def held(self, hold: Hold | None) -> Setting:
+        """This setting with another hold between command and actuator, or without."""
+        return replace(self, loop=replace(self.loop, actuator=replace(self.loop.actuator, hold=hold)))
+
     def build(self, num: Any, den: Any) -> Compensator:
         """The compensator C that polynomials of Q or of C_imp stand for."""
         return (disturbance_observer if self.spec.controller.type == "dob" else dynamic_error_feedback)(num, den)

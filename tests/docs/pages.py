@@ -123,6 +123,8 @@ class Page:
         """Run every block; how many were run. Raises: WrongBlockError at the first that does something else."""
         if text.startswith(SOURCES):
             self._copy_sources()
+        else:  # pages are read where the repository is
+            (self.folder / "examples").symlink_to(ROOT / "examples")
         run = [block for block in blocks(text, name) if block.reason is None]
         for block in run:
             self.run(block)

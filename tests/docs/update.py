@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from pages import ROOT, Block, Page, matches
+from pages import Block, Page, matches
 
 TIME = re.compile(r"\b\d+(\.\d+)? (s|min)\b(?=$|[,;])", re.MULTILINE)
 
@@ -62,7 +62,6 @@ def main() -> None:
         path = Path(name).resolve()
         text = path.read_text(encoding="utf-8")
         with tempfile.TemporaryDirectory() as folder:
-            (Path(folder) / "examples").symlink_to(ROOT / "examples")
             page = Updated(Path(folder))
             page.follow(text, name)
         for change in reversed(page.changes):

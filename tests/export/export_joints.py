@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -67,8 +67,7 @@ def law_of(setting: Setting, precision: str = "double", prewarp: float = 8.0) ->
 
 def held(setting: Setting, period: str, delay: str) -> Setting:
     """Another hold and delay [s]."""
-    hold = Hold(exact(period), exact(delay))
-    return replace(setting, loop=replace(setting.loop, actuator=replace(setting.loop.actuator, hold=hold)))
+    return setting.held(Hold(exact(period), exact(delay)))
 
 
 def in_q(p: fmpq_poly, q: Any) -> Any:

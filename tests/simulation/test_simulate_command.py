@@ -140,7 +140,7 @@ def test_the_papers_experiments_are_refused_on_another_joint():
 def test_an_experiment_says_whose_numbers_and_which_controller_it_moves():
     run = robimp("simulate", PAPER.with_name("sampled-range.json"), "--experiment", "fig9")
     assert run.code == ExitCode.PROVEN
-    assert "the paper's numbers" in run.out and "continuous one, though the certificate's is sampled" in run.out
+    assert "the paper's impedances" in run.out and "continuous one, though the certificate's is sampled" in run.out
 
 
 def test_a_course_too_long_to_keep_is_refused_before_it_is_made():

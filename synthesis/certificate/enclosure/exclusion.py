@@ -53,11 +53,11 @@ def crossing(prover: CellProver, end: str) -> Crossing | None:
         for _ in range(ROUNDS):
             corners = waiting.corners(drive)
             waves = [ENDS[end](JointOnCells(prover.family, corner)) for corner in corners]
-            doubtful = ~_away(waves, waiting)
+            doubtful = ~off_zero(waves, waiting)
             if not doubtful.any():
                 break
             cells, middles = waiting[doubtful], [_at_middle(f, doubtful) for f in waves]
-            inside = ~_away(middles, cells)
+            inside = ~off_zero(middles, cells)
             found = _reached(middles, [corner[doubtful] for corner in corners], inside)
             waiting = _halved(cells, middles, inside, drive)
             if found.share < CERTAIN or waiting.size > MOST_CELLS:
@@ -67,7 +67,7 @@ def crossing(prover: CellProver, end: str) -> Crossing | None:
     return None
 
 
-def _away(waves: list[Wave], cells: Cells) -> NDArray[np.bool_]:
+def off_zero(waves: list[Wave], cells: Cells) -> NDArray[np.bool_]:
     """On which cells 0 is outside of the hull of f's values at the corners."""
     return _separated(waves) if cells.part is Part.MIDDLE else _leading(waves, cells)
 

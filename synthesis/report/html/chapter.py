@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from ...written import polynomials
 from .figure import Figure
 from .impedance import impedance
 from .margins import margins, sensitivity
 from .mathml import transfer
 from .motion import motion
 from .nyquist import nyquist_plots
-from .study import polynomials
 from .words import described, margin, number, span
 
 if TYPE_CHECKING:

@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...certificate.claim import Claim, Refutation
+from ...certificate.claim import Claim
 from ...certificate.document import document
-from ...certificate.outcome import Outcome
-from ...certificate.witness import Witness
 from ...check import Verdict, check_bytes
 from ...errors import ExitCode, InputError, Location
 from ...problem.constraints import constraints
@@ -21,6 +19,7 @@ from ...problem.grid import frequency_scale, grid
 from ...problem.setting import Setting
 from ...spec import from_canonical
 from ...spec.model import Polynomials
+from ...written import claims_of, polynomials
 from .words import real
 
 if TYPE_CHECKING:
@@ -107,8 +106,7 @@ class Study:
         said = {(id, form): (status, message) for id, form, status, message in self.verdict.claims}
         defined = {(c.id, c.form): c for c in constraints(self.setting)}
         found = []
-        for written in self.content["claims"]:
-            claim = _claim(written)
+        for claim in claims_of(self.content):
             kind = claim.id, claim.form
             if kind in defined:
                 own = defined[kind]
@@ -158,31 +156,6 @@ class Study:
         """The compensator's numerator and denominator, as the simulation takes it."""
         written = polynomials(self.content["controller"]["C"])
         return written.numerator, written.denominator
-
-
-def polynomials(written: dict[str, list[str]]) -> Polynomials:
-    """Coefficients in a certificate."""
-    return Polynomials(
-        numerator=tuple(map(Fraction, written["numerator"])), denominator=tuple(map(Fraction, written["denominator"]))
-    )
-
-
-def _claim(written: dict[str, Any]) -> Claim:
-    low, high = written["interval"]
-    margin, failing = written["margin"], written["refuted_at"]
-    return Claim(
-        **{key: written[key] for key in ("id", "equation", "form", "statement", "uncertainty", "required")},
-        interval=(Fraction(low), None if high == "inf" else Fraction(high)),
-        status=Outcome(written["status"]),
-        margin=None if margin is None else Fraction(margin),
-        refuted_at=None if failing is None else _refutation(failing),
-    )
-
-
-def _refutation(written: dict[str, Any]) -> Refutation:
-    omega = written["omega"]
-    witness = None if omega is None else Witness(None if omega == "inf" else Fraction(omega), None)
-    return Refutation(Fraction(written["value"]), witness)
 
 
 def _frequencies(claim: Claim) -> list[float]:

@@ -67,8 +67,7 @@ def contacts(spec: Spec, C: Compensator) -> Iterator[Contact]:
     """Every corner of the box in every company; the one whose worst pole is furthest right is thrown and left alone."""
     for name, laws in environments(spec, C):
         worst = max((free(spec, C, load, laws) for load in vertices(spec)), key=lambda loop: loop.rate)
-        end = left_alone(worst)
-        yield Contact(name, end.late / max(end.early, 1e-300))
+        yield Contact(name, left_alone(worst).growth)
     yield against_wall(spec, C)
 
 

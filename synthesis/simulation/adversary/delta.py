@@ -78,8 +78,7 @@ def reachable(loop: Loop, bound: Bound, band: tuple[float, float], hints: tuple[
     def reach(omega: Array) -> Array:
         return np.asarray(FILL * bound(omega) * seen(loop, omega))
 
-    _, omega = worst([reach], (low / 10**DECADES, high * 10**DECADES), hints)
-    most = float(reach(np.array([omega]))[0])
+    _, _, most = worst([reach], (low / 10**DECADES, high * 10**DECADES), hints)
     return 1 / most if most > 0 else np.inf
 
 
@@ -99,7 +98,7 @@ def worst_within(
     def badness(loop: Loop) -> Badness:
         return lambda omega: np.asarray(at_phases(loop, omega).max(axis=0))
 
-    which, omega = worst([badness(loop) for loop in loops], band, hints)
+    which, omega, _ = worst([badness(loop) for loop in loops], band, hints)
     phase = PHASES[np.argmax(at_phases(loops[which], np.array([omega]))[:, 0])]
     return which, built(bound, omega, float(phase))
 

@@ -8,10 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...spec.model import Spec
-from ..batch.law import law_and_compensator
-from ..batch.run import simulate_batch
+from ..batch.law import SampledLaw, law_and_compensator
+from ..batch.run import Runs, simulate_batch
 from ..batch.switched import Imperfections, switched
 from ..equations import Compensator
 from .loop import Array
@@ -26,30 +27,40 @@ QUIET = 1e-9  # of the largest angle: smaller a range is rest
 
 @dataclass(frozen=True)
 class Rest:
-    """How it ended: the largest range [rad per N·m of friction] in the last quarter, and its reversals and starts.
+    """How it ended: the most reversals and starts in the last quarter.
 
     `hunting`: pushes, in units of the friction, under which some corner of the box still moved back and forth.
     """
 
-    range: float
     reversals: int
     hunting: tuple[float, ...]
 
 
-def rest_under_friction(spec: Spec, C: Compensator, loads: Array | None = None, seconds: float = SECONDS) -> Rest:
-    """For every load (the box's corners) pushes that are three times as large for the first tenth of the time."""
-    table = vertices(spec) if loads is None else loads
-    law, continuous = law_and_compensator(spec, C)
+def pushed(
+    spec: Spec, C: Compensator, law: SampledLaw | None = None, *,
+    friction: float = 1.0, seconds: float = SECONDS, every: int = 0,
+) -> tuple[Runs, Array]:  # fmt: skip
+    """Every corner of the box under each of `PUSHES`, three times as large for the first tenth of the time [s].
+
+    Returns: the runs, and the push of each, in units of the friction [N·m], (corners · pushes,).
+    """
     tick = law.tick if law else TICK
-    ticks = round(seconds / tick)
-    courses = np.outer(PUSHES, np.where(np.arange(ticks) < ticks // 10, 3.0, 1.0))
-    joints = switched(
-        spec, continuous, np.repeat(table, len(PUSHES), axis=0), Imperfections(load_friction=1.0, stiction=STICTION)
-    )
-    chosen = np.tile(np.arange(len(PUSHES)), len(table)).astype(np.int64)
-    run = simulate_batch(joints, tick, courses, chosen=chosen, law=law)
-    moved = run.high - run.low
-    hunts = (run.reversals > 1) & (moved > QUIET * np.maximum(run.early, run.late))
-    return Rest(
-        float(moved.max()), int(run.reversals.max()), tuple(sorted({PUSHES[i] for i in chosen[hunts]})),
-    )  # fmt: skip
+    ticks, corners = round(seconds / tick), vertices(spec)
+    courses = friction * np.outer(PUSHES, np.where(np.arange(ticks) < ticks // 10, 3.0, 1.0))
+    faults = Imperfections(load_friction=friction, stiction=STICTION)
+    joints = switched(spec, None if law else C, np.repeat(corners, len(PUSHES), axis=0), faults)
+    chosen = np.tile(np.arange(len(PUSHES)), len(corners)).astype(np.int64)
+    runs = simulate_batch(joints, tick, courses, chosen=chosen, law=law, every=every)
+    return runs, np.array(PUSHES)[chosen]
+
+
+def back_and_forth(runs: Runs) -> NDArray[np.bool_]:
+    """Whether each still moved to and fro in the last quarter, by more than rounding."""
+    return (runs.reversals > 1) & (runs.high - runs.low > QUIET * np.maximum(runs.early, runs.late))
+
+
+def rest_under_friction(spec: Spec, C: Compensator) -> Rest:
+    """What becomes of every corner of the box under constant pushes; with `sampling` of the sampled controller."""
+    law, _ = law_and_compensator(spec, C)
+    runs, push = pushed(spec, C, law)
+    return Rest(int(runs.reversals.max()), tuple(sorted({float(p) for p in push[back_and_forth(runs)]})))

@@ -24,6 +24,11 @@ class Decay:
     rate: float
 
     @property
+    def growth(self) -> float:
+        """Late over early motion."""
+        return self.late / max(self.early, 1e-300)
+
+    @property
     def grows(self) -> bool:
         """By more than rounding."""
         return not self.late <= self.early * (1 + 1e-9)

@@ -112,11 +112,11 @@ def population(
     rng = np.random.default_rng(seed)
     every = [*members(spec), *drawn_members(spec, INSIDE, rng)]
     share = ceil(count / len(every))
+    tables = [drawn(member.spec, share, rng) for member in every]  # first: the same joints at every rate
     parts: list[tuple[Any, ...]] = []
     ticks, tick = 0, TICK
-    for index, member in enumerate(every):
+    for index, (member, loads) in enumerate(zip(every, tables, strict=True)):
         one = member.spec
-        loads = drawn(one, share, rng)
         law, continuous = law_and_compensator(one, C, reality.rate, reality.arithmetic)
         tick = law.tick if law else TICK
         duration = max(seconds, min(_settling(free(one, C, loads[0])), LONGEST))

@@ -85,8 +85,7 @@ def stretch_to_yield(spec: Spec, C: Compensator, band: tuple[float, float], most
         corners = vertices(spec, stretch)
         if corners[:, 0].min() <= 0:
             return True
-        which, omega = hardest(spec, C, corners, band)
-        return float(RESISTANCE.of(free(spec, C, corners[which]), np.array([omega]))[0]) > 0
+        return hardest(spec, C, corners, band)[2] > 0
 
     if not yields(most):
         return None
@@ -99,8 +98,8 @@ def stretch_to_yield(spec: Spec, C: Compensator, band: tuple[float, float], most
 
 def hardest(
     spec: Spec, C: Compensator, loads: Array, band: tuple[float, float], hints: tuple[float, ...] = ()
-) -> tuple[int, float]:
-    """Which load, and at what frequency [rad/s], resists motion least."""
+) -> tuple[int, float, float]:
+    """Which load, at what frequency [rad/s], resists motion least, and `−Re(Z/jω)` there."""
     each = [(lambda omega, loop=loop: RESISTANCE.of(loop, omega)) for loop in joints(spec, C, loads)]
     return worst(each, band, hints)
 

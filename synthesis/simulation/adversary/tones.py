@@ -13,6 +13,7 @@ from .loop import Array, Complex, Loop
 
 POINTS = 400  # of the grid on which the worst frequency is looked for
 ZOOMS = 6  # each ten times finer
+NOISE = 1e-9  # of the complex figure a run measures
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,11 @@ class Quantity:
     inputs: tuple[str, ...]
     value: Callable[..., Complex]
     resists: bool = False
+
+    @property
+    def sign(self) -> int:
+        """Of the figure itself when `worse` is turned back into it."""
+        return -1 if self.resists else 1
 
     def worse(self, omega: Array, *responses: Complex) -> Array:
         """How bad, larger is worse: size, or real part with its sign changed."""
@@ -61,18 +67,20 @@ def rendering_error(spec: Spec) -> Quantity:
 Badness = Callable[[Array], Array]  # of frequencies (n,) [rad/s]
 
 
-def worst(each: Sequence[Badness], band: tuple[float, float], hints: tuple[float, ...] = ()) -> tuple[int, float]:
-    """Which is worst, and the frequency [rad/s] in `band` where it is: a grid, then finer and finer ones."""
+def worst(
+    each: Sequence[Badness], band: tuple[float, float], hints: tuple[float, ...] = ()
+) -> tuple[int, float, float]:
+    """Which is worst, the frequency [rad/s] in `band` where it is, and how bad: a grid, then finer and finer ones."""
     low, high = band
     grid = np.unique(np.concatenate([np.geomspace(low, high, POINTS), [h for h in hints if low <= h <= high]]))
     width = (high / low) ** (1 / POINTS)
     for _ in range(ZOOMS):
         values = np.array([badness(grid) for badness in each])
         which, at = np.unravel_index(np.nanargmax(values), values.shape)
-        omega = float(grid[at])
+        omega, most = float(grid[at]), float(values[which, at])
         grid = np.unique(np.clip(np.append(np.geomspace(omega / width, omega * width, 41), omega), low, high))
         width = width ** (1 / 10)
-    return int(which), omega
+    return int(which), omega, most
 
 
 @dataclass(frozen=True)
@@ -82,6 +90,11 @@ class Measured:
     worse: float
     size: float
     error: float
+
+    @property
+    def slack(self) -> float:
+        """By how much `worse` may be off."""
+        return (NOISE + 10 * self.error) * self.size
 
 
 def measured(loop: Loop, quantity: Quantity, omega: float) -> Measured:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from .compiled import compiled, inlined
 from .dry import FRICTION, TAU_INT, TOUCHING, Array, Limits, advance, halved, holds, mode, read, wall_missed
 from .ladder import ladder
-from .shipped import Cascades, at_rest, shipped
 
 MODES = 16
 FIGURES = (
@@ -53,18 +52,13 @@ class Course(NamedTuple):
 
 
 class Digital(NamedTuple):
-    """The sampled law in its own arithmetic, encoder, noise and its seeds.
-
-    `on` false: continuous; `sections`: by `cascades`, else by A, B, C, D; the others are empty.
-    """
+    """The sampled law in its own arithmetic, encoder, noise and its seeds; `on` false: continuous, the law is empty."""
 
     on: bool
-    sections: bool
     A: NDArray[Any]
     B: NDArray[Any]
     C: NDArray[Any]
     D: NDArray[Any]
-    cascades: Cascades
     delay: int
     encoder: float
     noise: float
@@ -115,8 +109,6 @@ def _joint(
     A, B, C, D, delay = digital.A, digital.B, digital.C, digital.D, digital.delay
     encoder, noise = digital.encoder, digital.noise
     xi, xi_next, sensed = np.zeros(len(A), dtype=A.dtype), np.zeros(len(A), dtype=A.dtype), np.zeros(2, dtype=A.dtype)
-    states = at_rest(digital.cascades)
-    past = np.zeros((2, 3), dtype=A.dtype)
     line, slot = np.zeros(delay + 1), 0
     turn = np.exp(-1j * look.sines)
     phase = np.exp(-1j * look.sines * look.since)
@@ -131,10 +123,7 @@ def _joint(
         if digital.on:
             sensed[0] = tau + (noise * np.random.standard_normal() if noise > 0 else 0.0)
             sensed[1] = _quantised(x[1], encoder)
-            if digital.sections:
-                line[slot] = shipped(digital.cascades, states, past, sensed)
-            else:
-                line[slot] = _advanced(A, B, C, D, sensed, xi, xi_next)
+            line[slot] = _advanced(A, B, C, D, sensed, xi, xi_next)
             slot = slot + 1 if slot < delay else 0
             w[2] = line[slot]
         if look.every and k % look.every == 0:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from .law import SampledLaw
 from .loop import FIGURES, TRACED, Course, Digital, Look, Plant, run
-from .shipped import Cascades, ShippedLaw
 from .switched import Switched
 
 Array = NDArray[np.float64]
@@ -62,7 +61,7 @@ def simulate_batch(
     disturbance: Array | None = None,
     motion: Array | None = None,
     chosen: NDArray[np.int64] | None = None,
-    law: SampledLaw | ShippedLaw | None = None,
+    law: SampledLaw | None = None,
     start: Array | None = None,
     sines: Array | None = None,
     since: int = 0,
@@ -111,12 +110,8 @@ def simulate_batch(
     return Runs(**kept, phasors=phasors * 2 / max(ticks - since, 1), traces=traces)
 
 
-def _digital(law: SampledLaw | ShippedLaw | None, joints: Switched, count: int, seed: int) -> Digital:
+def _digital(law: SampledLaw | None, joints: Switched, count: int, seed: int) -> Digital:
     seeds = np.random.SeedSequence(seed).generate_state(count).astype(np.int64)
-    encoder, noise = joints.faults.encoder, joints.faults.torque_noise
-    kind = law.cascades.taps.dtype if isinstance(law, ShippedLaw) else law.A.dtype if law else np.dtype(float)
-    none = np.zeros((0, 0), dtype=kind)
-    cascades = law.cascades if isinstance(law, ShippedLaw) else Cascades(none, none, none, none, none)
-    A, B, C, D = (law.A, law.B, law.C, law.D) if isinstance(law, SampledLaw) else (none, none, none, none)
-    delay = law.delay if law else 0
-    return Digital(law is not None, isinstance(law, ShippedLaw), A, B, C, D, cascades, delay, encoder, noise, seeds)
+    none = np.zeros((0, 0))
+    A, B, C, D, delay = (law.A, law.B, law.C, law.D, law.delay) if law else (none, none, none, none, 0)
+    return Digital(law is not None, A, B, C, D, delay, joints.faults.encoder, joints.faults.torque_noise, seeds)

@@ -86,11 +86,12 @@ def demand_papers_joint(spec: Spec) -> None:
         )
 
 
-def notes(spec: Spec) -> tuple[str, ...]:
-    """What was moved, beside what a certificate speaks of."""
+def notes(spec: Spec, *, wishes: bool) -> tuple[str, ...]:
+    """What was moved, beside what a certificate speaks of; `wishes`: with the paper's impedances, not its own."""
     sampled = spec.sampling is not None
+    impedances = "the paper's impedances" if wishes else "the certificate's impedance"
     return (
-        f"the paper's numbers: impedances, Coulomb friction {FRICTION:g} N·m on the load",
+        f"{impedances}; Coulomb friction {FRICTION:g} N·m on the load",
         *(["the controller is moved as a continuous one, though the certificate's is sampled"] if sampled else []),
     )
 
