@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from .errors import ExitCode, InputError, Location, MismatchError, UndecidedError
 
 if TYPE_CHECKING:
+    from .challenge import Reality
     from .judgement import Judgement
     from .pipeline import Result, Shared
     from .replay import Replay
@@ -23,6 +24,10 @@ File = str | Path
 
 def _quiet(_: str) -> None:
     pass
+
+
+def _spec(spec: Spec | File) -> Spec:
+    return load(spec) if isinstance(spec, str | Path) else spec
 
 
 def load(path: File) -> Spec:
@@ -91,6 +96,7 @@ def synthesize(
     time_limit: float | None = None,
     starts: Sequence[tuple[Polynomials, float]] = (),
     shared: Shared | None = None,
+    seed: int = 0,
 ) -> Result:
     """Find (or take) a controller, prove every claim about it, have the proof re-checked, simulate it; `robimp synth`.
 
@@ -98,7 +104,7 @@ def synthesize(
     `control.TransferFunction` or a pair (numerator, denominator) of coefficients [rad/s], of Q for a disturbance
     observer, of C_imp for dynamic-error feedback. time_limit [s] bounds the search. starts: controllers of similar
     joints with their ω_B [rad/s], for the search to begin from as well. shared: what an earlier search on the same
-    joint, of another order, has found.
+    joint, of another order, has found. seed: of the random starts; the same seed, the same digits.
 
     Raises: InfeasibleError with the constraint and frequency; UndecidedError when the search ends without a proven
     controller; InputError for what cannot be used; RobimpError when prover, checker and simulation disagree.
@@ -112,13 +118,13 @@ def synthesize(
     """
     from . import pipeline
 
-    asked = spec if not isinstance(spec, str | Path) else load(spec)
+    asked = _spec(spec)
     if controller is not None:
         from .spec.given import given
 
-        wanted = {"coefficients": given(controller), "order": None, "form": None}
+        wanted = {"coefficients": given(controller, asked.controller.type), "order": None, "form": None}
         asked = asked.model_copy(update={"controller": asked.controller.model_copy(update=wanted)})
-    return pipeline.synthesize(asked, progress, time_limit=time_limit, starts=starts, shared=shared)
+    return pipeline.synthesize(asked, progress, time_limit=time_limit, starts=starts, shared=shared, seed=seed)
 
 
 def bound(spec: Spec | File, terms: int | None = None, progress: Progress = _quiet) -> Bound:
@@ -138,7 +144,7 @@ def bound(spec: Spec | File, terms: int | None = None, progress: Progress = _qui
     from .solve.bound import bound as convex_bound
     from .solve.infeasible import impossible
 
-    setting = setting_of(load(spec) if isinstance(spec, str | Path) else spec)
+    setting = setting_of(_spec(spec))
     reason = impossible(setting)
     if reason is not None:
         raise reason.error()
@@ -169,7 +175,7 @@ def judge(
     from .spec import canonical
     from .storage import bounded_bytes
 
-    asked = None if spec is None else canonical(load(spec) if isinstance(spec, str | Path) else spec)
+    asked = None if spec is None else canonical(_spec(spec))
     law = None
     if controller is not None:
         law = read_controller(bounded_bytes(Path(controller), MAX_CONTROLLER), str(controller))
@@ -180,13 +186,23 @@ def judge(
     return judged(str(certificate), data, asked, law, time_limit)
 
 
-def simulate(certificate: File | Result, *, loads: int = 10_000, seed: int = 0, progress: Progress = _quiet) -> Replay:
+def simulate(
+    certificate: File | Result,
+    *,
+    loads: int = 10_000,
+    seed: int = 0,
+    reality: Reality | None = None,
+    progress: Progress = _quiet,
+) -> Replay:
     """Move a certified joint in the time domain and attack every claim; `robimp simulate`.
 
     certificate: a file, or a result. loads: how many are drawn, with `seed`; 0: only the corners of the box, no
-    attacks.
+    attacks. reality: friction, limits, an encoder, noise, a rate, single precision, which the certificate leaves out
+    and the joints drawn then meet as well, for information: `Reality(Imperfections(load_friction=0.05), rate=1000)` of
+    `robimp.synthesis.challenge`.
 
-    Raises: InputError for a file that is no certificate; MismatchError for one that is not what it says.
+    Raises: InputError for a file that is no certificate, or a reality that cannot be; MismatchError for a certificate
+    that is not what it says.
 
     >>> from robimp.synthesis import simulate
     >>> simulate("certificate.json", loads=0)
@@ -205,4 +221,4 @@ def simulate(certificate: File | Result, *, loads: int = 10_000, seed: int = 0, 
         raise InputError(checked.message, Location(file))
     if checked.exit_code == ExitCode.MISMATCH:
         raise MismatchError(f"{file}: {checked.message}")
-    return replay(json.loads(data), checked, file, progress, count=loads, seed=seed)
+    return replay(json.loads(data), checked, file, progress, count=loads, seed=seed, reality=reality)

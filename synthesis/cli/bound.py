@@ -7,7 +7,6 @@ from typing import Annotated
 
 import typer
 
-from ..errors import UndecidedError
 from .common import Json, dumped, located, say
 
 
@@ -19,21 +18,11 @@ def bound(
     as_json: Json = False,
 ) -> None:
     """The bandwidth no controller in the basis can beat, and which constraint sets it, where."""
-    from ..interruption import demanding
-    from ..pipeline import setting_of
+    from .. import api
     from ..report.progress import status_line
-    from ..solve.bound import bound as convex_bound
-    from ..solve.infeasible import impossible
-    from ..spec import load_spec
 
     with located(spec), status_line() as progress:
-        setting = setting_of(load_spec(spec))
-        reason = impossible(setting)
-        if reason is not None:
-            raise reason.error()
-        limit = convex_bound(setting, terms, demanding(progress))
-    if limit is None:
-        raise UndecidedError(f"{spec}: no Q̃ in the basis satisfies the constraints, by the solver's word")
+        limit = api.bound(spec, terms, progress)
     if as_json:
         say(dumped(limit.to_json()))
         return

@@ -1,4 +1,4 @@
-"""Controllers that are one number, `C_imp = k`: every gain is tried, in intervals that miss none.
+"""Controllers that are one number, `C_imp = k`: every gain of the search is tried, in intervals that miss none.
 
 At one frequency all that constraints speak of is a Möbius function of k. Evaluated on an interval of gains it is its
 value at the middle, off by at most a radius: where even the best value within the radius fails at some frequency, no
@@ -29,7 +29,7 @@ REMEDY = "give the controller dynamics: form: pi, p-filtered or lead-lag, or an 
 
 
 def excluded(setting: Setting) -> Impossible | None:
-    """Why no gain k meets what is required, where the controller asked for is one; None where some might."""
+    """Why no gain of the search meets what is required, where the controller asked for is one; None: some might."""
     if setting.spec.controller.coefficients is not None or structure_of(setting.spec) not in (Classical(), Feedback(0)):
         return None
     low, high = frequency_scale(setting)
@@ -114,4 +114,5 @@ def _described(least: Sequence[Group], cells: NDArray[np.float64], fails: NDArra
     on_band = [row for group, row in zip(least, fails, strict=True) if group[0].constraint.on_band]
     lowest = np.where(np.any(on_band, axis=0), np.inf, cells[0]) if on_band else cells[0]
     omega = float(np.max(fails[:, np.argmin(lowest)]))
-    return Impossible(" and ".join(names), omega, "; ".join(said), REMEDY, "any C_imp = k")
+    low, high = np.exp(Feedback.gains)
+    return Impossible(" and ".join(names), omega, "; ".join(said), REMEDY, f"any C_imp = k, {low:g} ≤ k ≤ {high:g}")

@@ -1,8 +1,8 @@
 """Why nothing can work: what no complex number X satisfies at some frequency, however it is chosen, and what to relax.
 
 Said only with a reason that needs no solver's word: a closed form (`alone`), a search of the whole plane of X that
-leaves nothing (`conflict`), or of all gains where the controller is one (`gain`). Frequencies are those of a grid; one
-that is named is a proof that no controller exists.
+leaves nothing (`conflict`), or of all gains from 1e-4 to 1e6 where the controller is one (`gain`). Frequencies are
+those of a grid; one that is named is a proof that no controller exists, or none with such a gain.
 """
 
 from __future__ import annotations

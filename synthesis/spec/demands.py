@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Literal, cast
 
+from ..errors import Location
 from .fields import above, described, entries, integer, non_negative, polynomials, require, word
 from .model import (
     FORMS,
@@ -92,16 +93,20 @@ def _order(node: Node, kind: str) -> int:
 
 
 def _given(node: Node, kind: str) -> Polynomials:
-    """Q with `Q(∞) ≠ 1` (else `C = Q/(1−Q)` is improper), or C_imp."""
     given = polynomials(node)
+    demand_realizable(given, kind, node.where)
+    return given
+
+
+def demand_realizable(given: Polynomials, kind: str, where: Location) -> None:
+    """Refuse a Q with `Q(∞) = 1`: `C = Q/(1−Q)` would be improper. Raises: InputError."""
     biproper = len(given.numerator) == len(given.denominator)
     looped = kind == "dob" and biproper and given.numerator[0] == given.denominator[0]
     require(
         not looped,
         "expected Q(∞) ≠ 1; found Q(∞) = 1, so that C = Q/(1−Q) is not proper; lower the numerator's degree",
-        node.where,
+        where,
     )
-    return given
 
 
 def _filters(node: Node) -> Filters:

@@ -81,12 +81,14 @@ def decimal_text(value: Fraction) -> str:
 
 def polynomial_text(coefficients: Sequence[Fraction]) -> str:
     """`s^2 + 70.75 s + 2500` of coefficients in descending powers, six digits each; never read back."""
-    terms = []
+    text = ""
     for power, c in zip(range(len(coefficients) - 1, -1, -1), coefficients, strict=True):
         if c:
-            s = {0: "", 1: " s"}.get(power, f" s^{power}")
-            terms.append(s.strip() if c == 1 and power else f"{float(c):.6g}{s}")
-    return " + ".join(terms or ["0"]).replace("+ -", "− ")
+            s = {0: "", 1: "s"}.get(power, f"s^{power}")
+            size = "" if abs(c) == 1 and power else f"{float(abs(c)):.6g}"
+            sign = (" − " if c < 0 else " + ") if text else ("-" if c < 0 else "")
+            text += sign + f"{size} {s}".strip()
+    return text or "0"
 
 
 def _ratio(text: str) -> Fraction:

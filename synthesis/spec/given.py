@@ -8,6 +8,7 @@ from math import isfinite
 from typing import Any
 
 from ..errors import InputError, Location
+from .demands import demand_realizable
 from .fields import polynomials
 from .model import Polynomials
 from .tree import Mapping, Node, Scalar, Sequence
@@ -16,18 +17,18 @@ NAMES = ("numerator", "denominator")
 SHAPES = "a control.TransferFunction or a pair (numerator, denominator) of coefficients, descending powers of s"
 
 
-def given(system: Any) -> Polynomials:
-    """From a continuous SISO `control.TransferFunction`, or a pair (numerator, denominator) of coefficients.
+def given(system: Any, kind: str) -> Polynomials:
+    """Q (kind `dob`) or C_imp from a continuous SISO `control.TransferFunction`, `Polynomials`, or a pair of lists.
 
     system: coefficients in descending powers of s, lists or arrays (n,) of numbers or of exact text; a double is taken
     as the exact number it is.
 
     Raises: InputError for several inputs or outputs, a discrete system, a number that is not finite, a numerator of
-    higher degree than the denominator.
+    higher degree than the denominator, Q(∞) = 1.
     """
     where = Location("controller")
     if isinstance(system, Polynomials):
-        return system
+        system = system.numerator, system.denominator
     if hasattr(system, "issiso"):
         if not hasattr(system, "num") or not system.issiso() or system.isdtime(strict=True):
             raise InputError("expected a continuous transfer function of one input and one output", where)
@@ -37,7 +38,9 @@ def given(system: Any) -> Polynomials:
     parts: dict[str, tuple[Location, Node]] = {
         name: (Location("controller", key=name), _list(part, name)) for name, part in zip(NAMES, system, strict=True)
     }
-    return polynomials(Mapping(parts, where))
+    found = polynomials(Mapping(parts, where))
+    demand_realizable(found, kind, where)
+    return found
 
 
 def _list(part: Any, name: str) -> Sequence:

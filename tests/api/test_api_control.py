@@ -27,12 +27,20 @@ GIVEN: dict[str, Any] = {
 
 @pytest.mark.parametrize("system", GIVEN.values(), ids=GIVEN)
 def test_a_controller_is_taken_exactly(system: Any) -> None:
-    assert given(system) == EXACT
+    assert given(system, "dob") == EXACT
+
+
+def test_one_at_infinity_is_no_matter_for_a_compensator() -> None:
+    assert given(([1, 1], [1, 2]), "dynamic-feedback").numerator == (1, 1)
+
+
+def test_it_is_printed_as_one_writes_it() -> None:
+    assert str(given(([-1, 0, -2.5], [1, -1, 3]), "dob")) == "(-s^2 − 2.5) / (s^2 − s + 3)"
 
 
 def test_a_double_is_the_number_it_is() -> None:
-    assert given(([0.1], [1, 1])).numerator == (Fraction(0.1),) != (Fraction(1, 10),)
-    assert given((["0.1"], [1, 1])).numerator == (Fraction(1, 10),)
+    assert given(([0.1], [1, 1]), "dob").numerator == (Fraction(0.1),) != (Fraction(1, 10),)
+    assert given((["0.1"], [1, 1]), "dob").numerator == (Fraction(1, 10),)
 
 
 REFUSED: dict[str, tuple[Any, str]] = {
@@ -50,6 +58,8 @@ REFUSED: dict[str, tuple[Any, str]] = {
     "empty": (([], [1, 2]), "an empty list"),
     "zero denominator": (([1], [0, 0]), "every coefficient is zero"),
     "improper": (([1, 2, 3], [1, 2]), "at most 2 coefficients"),
+    "Q of 1 at infinity": (([1, 1], [1, 2]), "expected Q(∞) ≠ 1"),
+    "its own, of 1 at infinity": (Polynomials(numerator=(Fraction(1),), denominator=(Fraction(1),)), "Q(∞) = 1"),
     "too long": (([1], [1] * 70), "degree of at most 60"),
 }
 
@@ -57,12 +67,12 @@ REFUSED: dict[str, tuple[Any, str]] = {
 @pytest.mark.parametrize(("system", "message"), REFUSED.values(), ids=REFUSED)
 def test_what_is_no_controller_is_refused(system: Any, message: str) -> None:
     with pytest.raises(InputError) as refusal:
-        given(system)
+        given(system, "dob")
     assert message in str(refusal.value) and str(refusal.value).startswith("controller: ")
 
 
 def test_a_result_goes_to_control_and_back(result: Result) -> None:
-    assert result.Q is not None and given(result.Q.to_control()) == result.Q == EXACT
+    assert result.Q is not None and given(result.Q.to_control(), "dob") == result.Q == EXACT
     omega = np.geomspace(0.1, 1000, 20)
     Q, C = (part.to_control()(1j * omega) for part in (result.Q, result.C))
     assert np.allclose(C, Q / (1 - Q)), "(10)"
@@ -77,7 +87,7 @@ def test_a_controller_from_control_is_certified_like_the_specifications(result: 
     certified = synthesize(searched, controller=control.tf([2000], [1, 70.75, 2500]))
     assert (certified.omega_B, certified.exit_code) == (result.omega_B, ExitCode.PROVEN)
     assert certified.spec.controller.order is None
-    with pytest.raises(InputError, match="does not exist"):
+    with pytest.raises(InputError, match="not proper"):
         synthesize(searched, controller=([1, 2], [1, 2]))
 
 

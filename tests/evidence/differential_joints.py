@@ -10,12 +10,12 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from judge import judge, required_level
-from random_specs import Json, accepted, certified, extended_spec, parsed, random_spec
+from random_specs import Json, accepted, certified, extended_spec, parsed, random_spec, shipped
 from tally import Tally, command
 from tampering import sealed, written
 
 from robimp.synthesis.check import check_bytes
-from robimp.synthesis.errors import InputError
+from robimp.synthesis.errors import ExitCode, InputError
 
 TITLE = "joints: prover, checker and dense floats of the physics"
 FULL, SMALL, SLOW = 600, 12, 10
@@ -65,6 +65,10 @@ def examine(seeds: Sequence[int]) -> Tally:
         if "time limit" in verdict.message or any("time limit" in message for *_, message in verdict.claims):
             found.count(f"joints not decided by the checker in {CHECK_SECONDS:g} s of each")  # never a wrong answer
             continue
+        if verdict.exit_code == ExitCode.UNDECIDED != expected_code(certificate):  # then it is not shipped like this
+            found.count("joints with a margin that the checker cannot confirm, conceded")
+            certificate = shipped(spec)
+            verdict = check_bytes(json.dumps(certificate).encode())
         found.measure("seconds of one check", time.process_time() - began)
         found.count("joints")
         found.count("  of these with sampling, ranges, tables, two-ports, noise or tolerance", int(extended))

@@ -21,6 +21,7 @@ Real = NDArray[np.float64]
 Terms = dict[str, float]
 HELD, SENSED = "τ_d held", "τ_int sensed"
 FAR = 1e8  # eigenvalues beyond are those at infinity, of the algebraic equations
+NEAR_POLE = 600  # frequencies on each side of a pole without the hold
 
 
 def num(text: str | float) -> float:
@@ -125,7 +126,9 @@ class System:
         without = int(np.sum(self.poles().real >= 0))
         if self.hold is None:
             return without
-        omega = np.concatenate([[1e-6], np.geomspace(1e-3, 300 / self.hold[0], points)])
+        near = np.geomspace(1e-9, 0.3, NEAR_POLE)  # a slow root turns within a small part of its frequency
+        slow = [abs(p.imag) * (1 + side * near) for p in self.poles() if p.imag > 0 for side in (-1, 1)]
+        omega = np.unique(np.concatenate([[1e-6], np.geomspace(1e-3, 300 / self.hold[0], points), *slow]))
         ratio = np.linalg.det(self.matrix(omega)) / np.linalg.det(self.matrix(omega, held=False))
         return without - round((np.unwrap(np.angle(ratio))[-1] - np.angle(ratio)[0]) / np.pi)
 

@@ -11,7 +11,11 @@ import differential_polynomials
 from judge import judge
 from physics import Json, num, numbers, system
 from random_polynomials import positivity
-from random_specs import certified, parsed, random_spec
+from random_specs import accepted, certified, extended_spec, parsed, random_spec
+
+from robimp.models.rational import descending
+from robimp.synthesis.problem.setting import Setting
+from robimp.synthesis.spec import canonical
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT / "tests" / "data" / "golden"
@@ -36,6 +40,33 @@ def test_random_joints() -> None:
     found = differential_joints.examine(range(differential_joints.SMALL))
     assert found.faults == []
     assert found.counts["claims proven"] > 20 and found.counts["claims refuted"] > 5
+
+
+def test_joints_on_cells_whose_witness_is_at_a_corner() -> None:
+    """(12) over the disc that covers a box: its witness is a load of the box, never the nominal one."""
+    found = differential_joints.examine([203, 323])
+    assert found.faults == [] and found.counts["joints"] == 2
+    for seed in (203, 323):
+        content = certified(parsed(extended_spec(seed, accepted())))
+        (claim,) = (c for c in content["claims"] if c["id"] == "eq12")
+        ends = content["spec"]["uncertainty"]["box"]
+        assert claim["form"] == "disc" and claim["status"] == "refuted"
+        assert all(value in ends[name] for name, value in claim["refuted_at"]["load"].items())
+
+
+def test_a_margin_the_checker_cannot_confirm_is_conceded() -> None:
+    found = differential_joints.examine([374])
+    assert found.faults == [] and found.counts["joints with a margin that the checker cannot confirm, conceded"] == 1
+
+
+def test_a_slow_root_is_counted() -> None:
+    """Seed 461's box reaches a joint whose unstable roots turn within a thousandth of their frequency."""
+    spec = parsed(extended_spec(461, accepted()))
+    C = Setting.of(spec).compensator(spec.controller.coefficients)
+    controller = {"C": {"numerator": [*map(str, descending(C.num))], "denominator": [*map(str, descending(C.den))]}}
+    load = [171584223 / 2500000000, 158887767959948349 / 500000000000000000, -1310701 / 5000000]
+    assert system(canonical(spec), controller, load).unstable() == 2
+    assert system(canonical(spec), controller, [0.99 * load[0], *load[1:]]).unstable() == 0
 
 
 def test_the_floats_contradict_a_margin_that_is_too_good() -> None:

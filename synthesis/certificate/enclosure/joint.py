@@ -175,7 +175,7 @@ class JointOnCells:
     def sides(self, inequality: Inequality, v: Any) -> Iterator[tuple[Form, Form]]:
         """Left and right side of an inequality, for each member of the uncertainty that decides it."""
         X = self.variables[inequality.variable]
-        for W in self._radii(inequality):
+        for _, W in self.members(inequality):
             left, right = inequality.sides(v, W, X, self.s.real_number)
             zero = self.s.x.constant(0)
             yield left + zero, right + zero
@@ -186,7 +186,7 @@ class JointOnCells:
         FLOOR: v. CEILING: −v. RADIUS: −1/v, which an exact model (W = 0) leaves finite; HOPELESS where none holds.
         """
         X, at, zero = self.variables[inequality.variable], self.s.real_number, self.s.x.constant(0)
-        for W in self._radii(inequality):
+        for _, W in self.members(inequality):
             numerator, denominator = (side + zero for side in inequality.level(W, X, at))
             if inequality.role is Role.FLOOR:
                 yield numerator
@@ -197,19 +197,21 @@ class JointOnCells:
                 share = share.shifted(min(share.order, 0))
                 yield share.where(numerator.upper < 0, HOPELESS)
 
-    def _radii(self, inequality: Inequality) -> Iterator[Any]:
+    def members(self, inequality: Inequality) -> Iterator[tuple[DynamicStiffness | None, Any]]:
+        """Members of the uncertainty that decide an inequality: the load, None along a segment of loads, and W."""
         if inequality.source is Source.NONE:
-            yield 0
+            yield inequality.load, 0
             return
         V = self.disc
         if inequality.source is Source.DISC or self.family.setting.uncertainty.box is None:
-            yield V
+            yield inequality.load, V
             return
         uncertainty = self.family.setting.uncertainty
         points: tuple[Segment, ...] = tuple((load, load) for load in uncertainty.corners())
         for segment in points if needs_disc(inequality) else uncertainty.segments():
-            W = self._load_radius(*segment)
-            yield W + V + W * V
+            start, end = segment
+            W = self._load_radius(start, end)
+            yield start if start == end else None, W + V + W * V
 
     @cached_property
     def disc(self) -> Any:

@@ -176,7 +176,7 @@ class CellProver:
         """The exact point of a refutation: frequency, load (if one decides), impedance and actuator."""
         omega = None if np.isinf(point.omega) else short(point.omega, digits=12)
         joint = self.joint(point.cells)
-        loads = [q.load for q in self.inequalities(constraint, joint) for _ in joint.sides(q, 1)]
+        loads = [load for q in self.inequalities(constraint, joint) for load, _ in joint.members(q)]
         return witness_at(self.family, point, omega, loads[point.form])
 
 
