@@ -221,13 +221,15 @@ def test_delay_makes_both_answers_occur() -> None:
     assert answers == {True, False}
 
 
-@pytest.mark.parametrize("seed", range(1000, 1025))
+BOXED = [seed for seed in range(1000, 1035) if subject(*random_case(seed))[0].uncertainty.box is not None]
+
+
+@pytest.mark.parametrize("seed", BOXED)
 def test_a_box_is_stable_inside_its_margin_and_unstable_at_its_twin(seed: int) -> None:
     asked, coefficients = random_case(seed)
     setting, C = subject(asked, coefficients)
     box = setting.uncertainty.box
-    if box is None:
-        pytest.skip("no box")
+    assert box is not None
     found, rng = largest_spread(family_of(setting, C), "free"), np.random.default_rng(seed)
     if found.outcome is Outcome.PROVEN and found.proven is not None:
         nominal = setting.loop.nominal
