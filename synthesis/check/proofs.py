@@ -114,7 +114,7 @@ class Prover:
             slacks.append(part.bound - part.terms[1])
         b_0, middle, b_2 = slacks
         *ends, b_1 = Inequality([b_0, b_2], middle + middle - (b_0 + b_2) * half, strict=False).rows()
-        if not all(row[0] > 0 < row[-1] for row in ends):
+        if not all((interval[0] or row[0] > 0) and (interval[1] < inf or row[-1] > 0) for row in ends):
             return False
         rest = [u - w for u, w in zip(product(*ends), product(b_1, b_1), strict=True)]
         lo, hi = map(square, interval)
