@@ -111,7 +111,8 @@ def rendering(j: Joint, v: Fraction, load: Load) -> Parts:
         yield Inequality([left2, gap * size * norm2(Y)], bound, strict=False)
 
 
-DRIVEN, EQ18 = (*LOADED, EDGE), ("paper", "lumped", "half-plane")
+EQ18 = "paper", "lumped", "half-plane"
+DRIVEN = *LOADED, EDGE
 Statement = Callable[[Joint, Fraction, Load], Parts]
 STATEMENTS: dict[tuple[str, str], tuple[Statement, tuple[str, ...]]] = {  # and the parameters it depends on
     ("bandwidth", "attenuation"): (partial(sensitivity, "bandwidth"), ("actuator",)),
