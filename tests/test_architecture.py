@@ -112,6 +112,7 @@ OFFENDERS = [
     ("synthesis.check.joint", "import numpy as np", "standard library"),
     ("synthesis.check.joint", "from ..spec.model import Spec", "standard library"),
     ("synthesis.check.joint", "from ..errors import ExitCode", "standard library"),
+    ("synthesis.check.enclosure.joint", "from ...spec.model import Spec", "standard library"),
     ("synthesis.simulation.joint", "from ...models.closed_loop import ImpedanceLoop", "shares formulas"),
     ("synthesis.simulation.joint", "from ..problem.setting import Setting", "shares formulas"),
     ("synthesis.simulation.joint", "from ..certificate import claims", "shares formulas"),

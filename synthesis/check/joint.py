@@ -1,19 +1,20 @@
-"""The joint a certificate speaks about: the quantities that every statement is made of, as polynomials or on a cell."""
+"""The joint a certificate speaks about: the quantities that every statement is made of, as polynomials."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from fractions import Fraction
-from operator import add
 from typing import Any
 
-from .cells import Cell, Point, Ranges
-from .forms import Axis
 from .outcome import MISMATCH, demand
 from .polynomials import ONE, ZERO, Poly, decays_faster, norm2
+from .positivity import Inequality
 from .reader import FORMS
 
 Section = dict[str, Any]  # of the certificate
+Point = dict[tuple[str, Any], Fraction]  # parameters, (section, key), at values
+Ranges = dict[tuple[str, Any], tuple[Fraction, Fraction]]  # parameters that vary
+Parts = Iterator[Inequality]  # to be proven
 Value = Any  # a Poly in s, or an Axis on a cell
 Real = Any  # a Poly in x = ω², or a Form on a cell
 S = Poly.of(0, 1)
@@ -25,11 +26,10 @@ class Joint:
     makes the feedback C F_θ. The hold multiplies `rest` and `driven`; parameters are affine in all of them."""
 
     def __init__(self, spec: Section, controller: Section, point: Point) -> None:
-        self.others: list[Joint] = []  # where one symbol is 1
         self.spec, self.nominal = spec, stiffness(spec["plant"].values())
         self.load, self.desired = _stiffness_at(spec, point, "plant"), _stiffness_at(spec, point, "impedance")
         self.n_H, self.n_Z, self.d = _actuator(spec, point)
-        n_C, d_C = _compensator(controller, point)
+        n_C, d_C = rational(controller["C"])
         filters = spec["controller"]["filters"] or {"force": None, "position": None, "derivative": None}
         own, d_F, d_Fd = filters["position"], _lag(filters["force"]), _lag(filters["derivative"])
         d_θ = _lag(None if own == "none" else own)
@@ -40,14 +40,12 @@ class Joint:
         self.E, self.driven, self.carried = self.d * self.E_i, self.n_H * self.U_n, self.n_Z * self.E_i
         self.M, self.locked = self.carried + self.driven, self.E + self.rest
         self.box, weight = spec["uncertainty"]["box"], spec["uncertainty"]["weight"]
-        # Corners of the rectangle that g(jω) moves in; its edge v = B_lo ω, a segment of loads, if K_hi > 0.
-        self.corners: list[Poly] = [self.nominal]
-        self.edge: list[Poly] = []
+        # Corners of the rectangle that g(jω) moves in, its edge v = B_lo ω, and a load there that is a parameter.
+        self.corners, self.edge, self.place = [self.nominal], list[Poly](), list[Poly]()
         if self.box:
             (I_lo, I_hi), B, (K_lo, K_hi) = self.box.values()
             corners = [stiffness((I, b, K)) for b in B for I, K in ((I_hi, K_lo), (I_lo, K_hi))]  # noqa: E741
-            self.corners = list(dict.fromkeys(corners))
-            self.edge = [corners[0] + Poly.of(t) * (corners[1] - corners[0]) for key, t in point.items() if key == EDGE]
+            self.corners, self.edge = list(dict.fromkeys(corners)), corners[:2] if K_hi else []
         # The disc on top of every load: |Δ|² ≤ V² = gap/size.
         n_w, d_w = rational(weight) if weight else (ZERO, ONE)
         self.disc: tuple[Real, Real] = (norm2(n_w), norm2(d_w))
@@ -60,58 +58,25 @@ class Joint:
         """The one load of a witness, or those that decide a condition affine or convex in the load."""
         return self.corners if load is None else [load]
 
+    def ratios(self, load: Poly | None, edge: bool = False) -> list[tuple[Real, Real]]:
+        """`|ĝ − g|²` and `|g|²` for every load that can decide; on the edge where it is a parameter."""
+        loads = [*self.loads(load), *(self.place if edge and load is None else [])]
+        return [(norm2(self.nominal - g), norm2(g)) for g in loads]
+
     def loop(self, name: str, g: Value | None = None) -> tuple[Value, Value]:
         """The characteristic function, of a load g, as two summands, without and with the hold."""
         free = self.E * (self.load if g is None else g) + self.carried, self.driven
         return (self.E, self.rest) if name == "stability-locked" else free
 
-    def on(self, cell: Cell, *pairs: tuple[Poly, Poly]) -> Axis:
-        """The sum of two polynomials on a cell, the second behind the hold: the first pair where symbols are 0, each of
-        the others where one of them is 1, and linear in every one."""
-        undelayed, delayed = zip(*pairs, strict=True)
-        if not self.spec["sampling"]:
-            return cell.spread(*map(add, undelayed, delayed))
-        return cell.spread(*undelayed) + cell.spread(*delayed) * cell.axis(self.hold(cell))
+    def weighed(self, w: Real, a: Real, b: Real, c: Real, size: Real) -> Parts:
+        """`√w (√a + √b + √c) < √(c size)`, w < size; squared: `2w √(ab) + 2c √(w size) < c (size + w) − w (a + b)`."""
+        left, four = c * (size + w) - w * (a + b), Poly.of(4)
+        yield Inequality([], left, over=c * size)
+        yield Inequality([four * w * w * a * b, four * c * c * w * size], left * left)
 
-    def value(self, cell: Cell, name: str, g: Value | None = None) -> Axis:
-        """The characteristic function on a cell."""
-        return self.on(cell, *(j.loop(name, g) for j in (self, *self.others)))
-
-    def hold(self, cell: Cell) -> Axis | Poly:
-        """The hold on a cell; 1 without sampling."""
-        if self.spec["sampling"] and "hold" not in cell.cache:
-            cell.cache["hold"] = cell.hold(*self.spec["sampling"].values())
-        return cell.cache.get("hold", ONE)  # type: ignore[no-any-return]
-
-    def disc_on(self, cell: Cell) -> tuple[Real, Real]:
-        """The disc together with the table: 1 + V = (1 + W_w)(1 + W_t)."""
-        if not (table := self.spec["uncertainty"]["table"]):
-            return self.disc
-        gap, size = map(cell.real, self.disc)
-        V = ((gap * size.inverse()).at(0).root() + ONE) * (_table(table["points"], cell) + ONE) - ONE
-        return V * V, ONE
-
-
-class View(Joint):
-    """A joint on a cell, with the hold, over the nominal's `locked`: changes no statement, and at ∞ nothing cancels."""
-
-    def __init__(self, j: Joint, nominal: Joint, cell: Cell) -> None:
-        self.__dict__.update(j.__dict__)
-        if "by" not in cell.cache:
-            cell.cache["by"] = nominal.value(cell, "stability-locked").inverse()
-
-        def over(part: Callable[[Joint], tuple[Poly, Poly]]) -> Value:
-            pairs = tuple(map(part, (j, *j.others)))
-            if pairs not in cell.cache:  # not once more for every impedance
-                cell.cache[pairs] = j.on(cell, *pairs) * cell.cache["by"] if any(map(any, pairs)) else ZERO
-            return cell.cache[pairs]
-
-        self.cell, self.disc = cell, j.disc_on(cell)
-        self.D_i, self.E_i = over(lambda o: (o.D_i, ZERO)), over(lambda o: (o.E_i, ZERO))
-        self.U_n, self.command = over(lambda o: (o.U_n, ZERO)), over(lambda o: (o.command, ZERO))
-        self.rest, self.driven = over(lambda o: (ZERO, o.rest)), over(lambda o: (ZERO, o.driven))
-        self.locked = ONE + over(lambda o: (o.E - nominal.E, o.rest - nominal.rest))
-        self.M, self.E = over(lambda o: (o.carried, ZERO)) + self.driven, self.locked - self.rest
+    def both(self, a2: Real, b2: Real, p2: Real, load: Poly | None) -> Parts:
+        """`|p| + W |a| < |b|` where a box and a disc make W: in `enclosure`, it has three roots."""
+        raise NotImplementedError
 
 
 def ranges(spec: Section, sections: Any, v: Fraction = Fraction(1)) -> Ranges:
@@ -172,27 +137,6 @@ def _actuator(spec: Section, point: Point) -> tuple[Value, Value, Value]:
 
 
 MOTOR = "motor_inertia", "motor_damping", "spring_stiffness"
-EDGE = "edge", 0  # the parameter that runs along the edge of the box
-
-
-def _compensator(given: Section, point: Point) -> tuple[Value, Value]:
-    """`n_C, d_C`; with coefficients c of Q, or of C, as c(1 + e) where the point has e."""
-    perturbed = [key for key in point if key[0] in ("numerator", "denominator")]
-    name = "Q" if "Q" in given and perturbed else "C"
-    terms = dict(zip(("numerator", "denominator"), rational(given[name]), strict=True))
-    for part, k in perturbed:
-        terms[part] += Poly.of(*[0] * k, point[part, k] * given[name][part][k])
-    n, d = terms.values()
-    return (n, d - n) if name == "Q" else (n, d)
-
-
-def _table(points: list[list[Fraction]], cell: Cell) -> Real:
-    """W_t, linear in ω between the points, which are ends of cells."""
-    k = len(points) if cell.far else sum(ω * ω <= cell.lo for ω, _ in points)
-    if k in (0, len(points)):
-        return cell.form(points[min(k, len(points) - 1)][1])
-    (a, u), (b, v) = points[k - 1 : k + 1]
-    return cell.omega() * Poly.of((v - u) / (b - a)) + Poly.of(u - a * (v - u) / (b - a))
 
 
 def validate(certificate: Section, deadline: float) -> None:
@@ -204,9 +148,8 @@ def validate(certificate: Section, deadline: float) -> None:
             demand(inside, f"spec.uncertainty.{name}: does not contain the nominal {key}")
     weight, actuator = spec["uncertainty"]["weight"], spec["actuator"]
     for key in ("transfer", "impedance") if actuator["type"] == "two-port" else ():
-        demand(
-            len(rational(actuator[key])[0].c) <= len(rational(actuator[key])[1].c), f"spec.actuator.{key}: not proper"
-        )
+        n, d = rational(actuator[key])
+        demand(len(n.c) <= len(d.c), f"spec.actuator.{key}: not proper")
     n, d = rational(weight) if weight else (ZERO, ONE)
     usable = len(n.c) <= len(d.c) and decays_faster(d, Fraction(0), deadline)
     demand(usable, "spec.uncertainty.weight: must be stable and proper")

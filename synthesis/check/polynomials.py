@@ -111,6 +111,16 @@ def norm2(p: Any) -> Any:
     return p.norm2()
 
 
+def limit(p: Poly, q: Poly, far: bool) -> Poly | None:
+    """The limit of p/q at zero, or at infinity; None if it is not finite."""
+    if not (p and q):
+        return ZERO if q else None
+    a, b = (t.c[::-1] if far else t.c for t in (p, q))
+    k, n = (next(i for i, coefficient in enumerate(c) if coefficient) for c in (a, b))
+    order = len(q.c) - len(p.c) if far else k - n
+    return None if order < 0 else ZERO if order > 0 else Poly.of(Fraction(a[k] * q.d, b[n] * p.d))
+
+
 def size(a: Iterable[int]) -> int:
     """Bits of the largest coefficient."""
     return max((p.bit_length() for p in a), default=0)

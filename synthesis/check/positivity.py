@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import comb, inf, lcm
 from typing import Any
 
-from .outcome import UNDECIDED, CheckError, tick
+from .outcome import UNDECIDED, CheckError, demand, tick
 from .polynomials import PRIME, ZERO, Row, common_divisor, mobius, primitive, product, quotient
 
 Point = tuple[int, int]  # x = p/q with q >= 0; (1, 0) is infinity
@@ -46,6 +46,7 @@ def counterexample(inequality: Inequality, lo: Point, hi: Point, deadline: float
 
     `√a < √b` is `b − a > 0`; `√a1 + √a2 < √b` is `h = b − a1 − a2 > 0` and `h² − 4 a1 a2 > 0`."""
     *terms, bound = inequality.rows()
+    demand(len(terms) <= 2, "more than two roots", UNDECIDED)
     conditions = [[b - sum(a) for b, *a in zip(bound, *terms, strict=True)]]
     if len(terms) == 2:
         square, both = product(conditions[0], conditions[0]), product(*terms)
@@ -102,6 +103,20 @@ def _cover(p: Row, lo: Point, hi: Point, deadline: float, strict: bool, depth: i
         if not cells:
             return None
     raise CheckError(UNDECIDED, "neither proven nor refuted")
+
+
+def one_is_positive(rows: Sequence[Row], lo: Point, hi: Point, deadline: float) -> bool:
+    """Whether at every point of [lo, hi] one of them is: cells are halved until it is the same one on all of each."""
+    lo, hi = _aligned(lo, hi, max(rows, key=len))
+    cells = [([bernstein(row, lo, hi) for row in rows], 0)]
+    while cells:
+        tick(deadline)
+        found, level = cells.pop()
+        if not any(min(row) >= 0 and row[0] and row[-1] for row in found):
+            if level == SHALLOW or any(all(row[end] <= 0 for row in found) for end in (0, -1)):
+                return False
+            cells += [([*half], level + 1) for half in zip(*map(_halves, found), strict=True)]
+    return True
 
 
 def _aligned(lo: Point, hi: Point, p: Row) -> tuple[Point, Point]:

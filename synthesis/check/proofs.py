@@ -1,106 +1,83 @@
-"""How each claim is decided: Routh, polynomials, or cells; at a value, for everything in the ranges or at one point."""
+"""How each claim is decided by polynomials: Routh, positivity; at a value, for all uncertainty or at one point."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
 from decimal import Decimal
 from fractions import Fraction
-from functools import reduce
-from itertools import combinations
 from math import inf
-from operator import add, mul
+from operator import add
 from typing import Any
 
-from .cells import ZERO, Cell, Point, Ranges, roots
-from .forms import UnresolvedError
-from .joint import EDGE, Joint, View, ranges, stiffness
-from .outcome import FALSE, UNDECIDED, CheckError, demand
-from .polynomials import ONE, Poly, decays_faster
-from .positivity import counterexample, square
-from .requirements import ALL, SIGNED, WHOLE, Kind, requirements
-from .search import cover
-from .statements import STATEMENTS, port_ends
+from .joint import Joint, Point, ranges, stiffness
+from .outcome import CheckError
+from .polynomials import Poly, X, decays_faster, limit, norm2, on_axis, product
+from .positivity import Inequality, counterexample, one_is_positive, square
+from .requirements import ALL, PLACES, SIGNED, WHOLE, Kind
+from .statements import EDGE, STATEMENTS, Limit, port_ends
 
-VIEWS = 4096  # joints on a cell that are kept for the next claim
+NOUGHT = Fraction(0)
 
 
 class Prover:
-    """One certificate: its specification and a controller, the certificate's or a witness of its sensitivity."""
+    """One certificate: its specification and its controller."""
 
-    def __init__(self, certificate: dict[str, Any], deadline: float, controller: dict[str, Any] | None = None) -> None:
+    def __init__(self, certificate: dict[str, Any], deadline: float) -> None:
         self.certificate, self.spec, self.deadline = certificate, certificate["spec"], deadline
-        self.asked = requirements(self.spec, certificate["bandwidth"]["proven"])
-        self.controller = controller or certificate["controller"]
-        self.sampled, self.table = bool(self.spec["sampling"]), self.spec["uncertainty"]["table"] or {"points": []}
-        self.joints, self.views, self.cells = dict[Any, Joint](), dict[Any, View](), dict[Any, Cell]()
         self.nominal = self.joint({})
 
-    def joint(self, point: Point, symbols: Ranges | None = None) -> Joint:
-        """The joint where parameters have these values, and symbols are in the middle of their ranges."""
-        symbols = symbols or {}
-        key = *point.items(), *symbols.items()
-        if key not in self.joints:
-            self.joints = self.joints if len(self.joints) < VIEWS else {}
-            middle = point | {name: (lo + hi) / 2 for name, (lo, hi) in symbols.items()}
-            joint = Joint(self.spec, self.controller, middle)
-            joint.others = [self.joint(middle | {name: hi}) for name, (_, hi) in symbols.items()]
-            self.joints[key] = joint  # now: the others may have emptied the store
-        return self.joints[key]
+    def joint(self, point: Point) -> Joint:
+        """The joint where parameters have these values."""
+        return Joint(self.spec, self.certificate["controller"], point)
 
-    def view(self, cell: Cell, point: Point) -> View:
-        """The joint on a cell, kept for the next claim."""
-        if len(self.views) > VIEWS:
-            self.views, self.cells = {}, {}
-            cell.cache.clear()
-        cell = self.cells.setdefault(cell.key, cell)
-        key = (*cell.key, *point.items())
-        if key not in self.views:
-            self.views[key] = View(self.joint(point, cell.ranges), self.nominal, cell)
-        return self.views[key]
+    def fault(
+        self, kind: Kind, v: Fraction, interval: Any, whole: bool, witness: dict[str, Any] | None = None
+    ) -> str | None:
+        """Where a statement fails at v, for all uncertainty or at the witness; empty: it is proven; None: undecided."""
+        (name, form), (point, load) = kind, self.place(witness)
+        if self.spec["sampling"] or form == "coefficients":
+            return None
+        if name.startswith("stability"):
+            fault = self._unstable(name, NOUGHT if form == "box" else v, point)
+            return None if form == "box" and not witness and not fault and not self._excluded(name, v) else fault
+        sections, given = STATEMENTS[kind][1], self.spec["uncertainty"]
+        varied = any(key not in point for key in ranges(self.spec, [at for at in ALL[1:] if at in sections]))
+        if varied or given["table"] or (EDGE in sections and given["box"] and given["weight"]):
+            return None
+        fault = self._statement(kind, v, interval, whole, load, point)
+        edge = EDGE in sections and load is None and self.nominal.edge
+        return None if edge and not fault and not self._along(kind, v, interval, point) else fault
 
-    def fault(self, kind: Kind, v: Fraction, interval: Any, whole: bool, witness: dict[str, Any] | None = None) -> str:
-        """Where the statement fails at v, for all uncertainty or at the witness; empty if it is proven."""
-        given = [(at, witness.get(name) or {}) for name, at in PLACES.items()] if witness else []
-        point = {(section, key): part for section, parts in given for key, part in parts.items()}
-        if kind[1] == "coefficients":
-            return self._perturbed(witness) if witness else self._tolerance(v)
-        if kind[1] == "box" and not witness:
-            return self._box(kind[0], v, {})
-        if kind[0].startswith("stability"):
-            return self._unstable(kind[0], ZERO if kind[1] == "box" else v, point)
-        load = stiffness(witness["load"].values()) if witness and witness["load"] else None
-        point = {key: part for key, part in point.items() if key[0] != "plant"}
-        return self._statement(kind, v, interval, whole, load, point, {})
+    def place(self, witness: dict[str, Any] | None) -> tuple[Point, Poly | None]:
+        """A witness's parameters, and the dynamic stiffness of its load."""
+        given = [(section, (witness or {}).get(name) or {}) for name, section in PLACES.items()]
+        load = witness and witness["load"]
+        return {(at, key): v for at, parts in given for key, v in parts.items()}, stiffness(
+            load.values()
+        ) if load else None
 
-    def _statement(
-        self, kind: Kind, v: Fraction, interval: Any, whole: bool, load: Poly | None, point: Point, symbols: Ranges
-    ) -> str:
-        """By polynomials where there are only those and at most two roots, else on cells."""
-        (statement, sections), given, friction = STATEMENTS[kind], self.spec["uncertainty"], kind[0] == "friction"
-        family = {k: part for k, part in ranges(self.spec, ALL[1:]).items() if k[0] in sections and k not in point}
-        if EDGE[0] in sections and load is None and given["box"] and given["box"]["stiffness"][1] > 0:
-            family[EDGE] = ZERO, Fraction(1)
-        # Where two moduli are added, or a margin is squared, the degree in a parameter is 4.
-        disc = given["weight"] or self.table["points"] or kind[1] == "disc"
-        twice = EDGE in family or kind[0] in ("eq12", "rendering", "friction")
-        degree = 4 if kind[1].startswith(("paper", "lumped")) or (disc and twice) else 2
-        for end in (end for end in interval if whole and end in WHOLE and (friction or kind in SIGNED)):
-            at, name = Cell(ZERO, ZERO, end == inf, symbols), "Z at infinity" if end else "Z(0)"
+    def _statement(self, kind: Kind, v: Fraction, interval: Any, whole: bool, load: Poly | None, point: Point) -> str:
+        j = self.joint(point)
+        for end, name, text in self.ends(kind, interval, whole):
+            far = end == inf
+            parts = port_ends(name, far, j, self._limits(name, far, j), limit(*j.disc, far), load)
+            if self._exactly([*parts], (NOUGHT, NOUGHT)):
+                return text
+        return self._exactly([*STATEMENTS[kind][0](j, v, load)], interval)
 
-            def ends(cell: Cell, there: Point) -> Iterator[Any]:
-                return port_ends(friction, self.joint({**point, **there}, cell.ranges), self.nominal, cell, load)
+    def _limits(self, name: str, far: bool, j: Joint) -> Limit:
+        denominator = add(*self.nominal.loop(name, self.nominal.nominal))
+        return lambda part, power: limit(add(*part(j)), denominator * power, far)
 
-            if cover([at], ends, self.deadline, family, degree):
-                return f": {name} is not finite and {'>' if friction else '>='} 0"
-        several = kind == ("eq12", "paper") or (EDGE[0] in sections and given["box"] and given["weight"])
-        if not (family or symbols or self.sampled or self.table["points"] or several):
-            return self._exactly(list(statement(self.joint(point), v, load)), interval)
-
-        def on(cell: Cell, there: Point) -> Iterator[Any]:
-            return statement(self.view(cell, {**point, **there}), v, load)
-
-        cells = roots(interval, [ω for ω, _ in self.table["points"]], symbols)
-        return cover(cells, on, self.deadline, family, degree)
+    def ends(self, kind: Kind, interval: Any, whole: bool) -> list[tuple[Any, str, str]]:
+        """Ends of ω at which the port is looked at apart, by which function, and what is said if it is wrong there."""
+        friction = kind[0] == "friction"
+        name, above = ("stability-free", ">") if friction else ("stability-locked", ">=")
+        return [
+            (end, name, f": {'Z at infinity' if end else 'Z(0)'} is not finite and {above} 0")
+            for end in interval
+            if whole and end in WHOLE and (friction or kind in SIGNED)
+        ]
 
     def _exactly(self, parts: list[Any], interval: Any) -> str:
         undecided, (lo, hi) = None, map(square, interval)
@@ -118,8 +95,6 @@ class Prover:
 
     def _unstable(self, name: str, v: Fraction, point: Point) -> str:
         """Why the roots at one point are not all at Re s < −v; empty if they are."""
-        if self.sampled:
-            return self._turns(name, point)
         j = self.joint(point)
         f = add(*j.loop(name))
         if not decays_faster(f, v, self.deadline):
@@ -127,99 +102,42 @@ class Prover:
         lost = name == "stability-locked" and len(f.c) < len(j.E.c)  # a lost degree is a root at infinity
         return ": 1 + HCF vanishes at infinity" if lost else ""
 
-    def _turns(self, name: str, point: Point) -> str:
-        """Quarter turns of f/(s + a)^n from ω = 0 to ∞: as many half-planes as there are cells, neighbours adjacent.
+    def _along(self, kind: Kind, v: Fraction, interval: Any, point: Point) -> bool:
+        """Whether `vW|a| < |b|` is shown for loads on the edge, too: a quadratic in the place t on it, with ends > 0,
+        `b_0 (1−t)² + 2 b_1 t (1−t) + b_2 t²`, which is positive where b_1 > 0, and where b_1² < b_0 b_2."""
+        j, half, slacks = self.joint(point), Poly.of(Fraction(1, 2)), list[Poly]()
+        first, last = j.edge
+        for g in (first, (first + last) * half, last):
+            (part,) = STATEMENTS[kind][0](j, v, g)
+            if part.terms[0]:  # |p|
+                return False
+            slacks.append(part.bound - part.terms[1])
+        b_0, middle, b_2 = slacks
+        *ends, b_1 = Inequality([b_0, b_2], middle + middle - (b_0 + b_2) * half, strict=False).rows()
+        if not all((interval[0] or row[0] > 0) and (interval[1] < inf or row[-1] > 0) for row in ends):
+            return False
+        rest = [u - w for u, w in zip(product(*ends), product(b_1, b_1), strict=True)]
+        lo, hi = map(square, interval)
+        return one_is_positive([b_1, rest], lo, hi, self.deadline)
 
-        a is a power of two, n the degree of what the hold does not multiply, which has to be the larger one."""
-        j, path = self.joint(point), list[int]()
-        undelayed, delayed = j.loop(name)
-        f = undelayed + delayed
-        demand(bool(undelayed) and bool(f) and f.c[0] != 0, "a root at zero", FALSE)
-        demand(len(delayed.c) <= len(undelayed.c), "the loop at infinity depends on the hold", UNDECIDED)
-        n, low, high = len(undelayed.c) - 1, Fraction(f.c[0], f.d), Fraction(undelayed.c[-1], undelayed.d)
-        k = (abs(low / high).numerator.bit_length() - abs(low / high).denominator.bit_length()) // max(n, 1)
-        reference: Poly = reduce(mul, [Poly.of(Fraction(2) ** k, 1)] * n, ONE)
+    def _excluded(self, name: str, v: Fraction) -> bool:
+        """Whether E g + M is shown to have no root on [0, ∞] for any load of the box scaled by v, if only loads vary.
 
-        def on(cell: Cell, _: Point) -> list[Any]:
-            z = j.value(cell, name) * cell.axis(reference).inverse()
-            signs = [f.sign() == 1 for f in (z.p, z.q, -z.p, -z.q)]
-            if cell.ends:  # real there
-                signs = [sign and k % 2 == 0 and z.p.m == 0 for k, sign in enumerate(signs)]
-            steps = (path[-1], path[-1] + 1, path[-1] - 1) if path else (0, 2)
-            found = next((step for step in steps if signs[step % 4]), None)
-            if found is None:
-                raise UnresolvedError
-            path.append(found)
-            return []
-
-        cover(roots(WHOLE, [], {}), on, self.deadline)
-        return f": {abs(path[-1] - path[0]) // 2} roots with Re s > 0" if path[-1] != path[0] else ""
-
-    def _box(self, name: str, v: Fraction, symbols: Ranges) -> str:
-        """No root on the axis for any parameters in the box scaled by v: none crosses from the stable nominal."""
-        if fault := self._unstable(name, ZERO, {}):
-            return fault
-        family = ranges(self.spec, ALL if name == "stability-free" else ALL[2:], v) if v else {}
-        motor = {key: part for key, part in family.items() if key[0] == "actuator"}
-        linear = {key: part for key, part in family.items() if key not in motor} | symbols
-
-        zonotopes: dict[Any, list[tuple[Poly, Poly]]] = {}
-
-        def on(cell: Cell, there: Point) -> list[Any]:
-            if (corner := tuple(there.items())) not in zonotopes:
-                zonotopes[corner] = [*self.generators(name, there, linear).values()]
-            found = [self.nominal.on(cell, pair) for pair in zonotopes[corner]]
-            if cell.ends:  # where it is finite, and real, over the nominal's
-                if "by" not in cell.cache:
-                    cell.cache["by"] = self.nominal.value(cell, name).inverse()
-                found = [f * cell.cache["by"] for f in found]
-            return [found]
-
-        return cover(roots(WHOLE, [], {}), on, self.deadline, motor, 1)
-
-    def generators(self, name: str, there: Point, ranges: Ranges) -> dict[Any, tuple[Poly, Poly]]:
-        """The characteristic function at the middle of ranges, and what one parameter, or two at once, change by half
-        of theirs: no three of loads, impedances and coefficients are multiplied."""
-        found: dict[Any, tuple[Poly, Poly]] = {}
-        for up in [(), *combinations(ranges, 1), *combinations(ranges, 2)]:
-            at = {key: hi if key in up else (lo + hi) / 2 for key, (lo, hi) in ranges.items()}
-            value = self.joint(there | at).loop(name)
-            for part in (part for part in [(), *combinations(up, 1)] if part != up):
-                value = value[0] - found[part][0], value[1] - found[part][1]
-            found[up] = value
-        return {up: pair for up, pair in found.items() if not up or any(pair)}
-
-    def _tolerance(self, v: Fraction) -> str:
-        """Every required claim at its required level, for every coefficient c(1 + e), |e| ≤ v."""
-        given = self.controller["Q" if self.controller["type"] == "dob" else "C"]
-        extra = {(part, k): (-v, v) for part in ("denominator", "numerator") for k, c in enumerate(given[part]) if c}
-        for (name, form), (required, interval, level) in self.asked.items():
-            if not required or name == "tolerance":
-                continue
-            if name.startswith("stability"):
-                text = self._box(name, Fraction(form == "box"), extra)
-            else:
-                text = self._statement((name, form), level or ZERO, interval, interval == WHOLE, None, {}, extra)
-            if text:
-                return f": {name} {form}{text}"
-        return ""
-
-    def _perturbed(self, witness: dict[str, Any]) -> str:
-        """How the required claim that the witness names fails for its controller."""
-        kind, given = tuple(witness["claim"]), witness["controller"]
-        controller = {"type": self.controller["type"], "C": given}
-        if controller["type"] == "dob":
-            below = Poly.of(*given["denominator"]) - Poly.of(*given["numerator"])
-            rest = {"numerator": given["numerator"], "denominator": [Fraction(a, below.d) for a in below.c]}
-            controller = {**controller, "Q": given, "C": rest}
-        other = Prover(self.certificate, self.deadline, controller)
-        (_, interval, level), ω = self.asked[kind], witness["omega"]
-        where = interval if ω is None else (ω, ω)
-        return other.fault(kind, level or ZERO, where, interval == WHOLE, witness)
-
-
-PLACES = {
-    "load": "plant",
-    "impedance": "impedance",
-    "actuator": "actuator",
-}  # of a witness: its section
+        0 and ∞: one sign at all corners. Between: −M/E is on one of the four sides of the rectangle of g."""
+        j, varied = self.nominal, ranges(self.spec, ALL if name == "stability-free" else ALL[2:], v)
+        if any(section != "plant" for section, _ in varied):
+            return False
+        if not varied:
+            return True
+        box = [varied.get(("plant", key), (n, n)) for key, n in self.spec["plant"].items()]
+        corners = [j.free(stiffness(load)) for load in itertools.product(*box)]
+        signs = {(len(f.c), f.c[0] > 0, f.c[-1] > 0) if f and f.c[0] else () for f in corners}
+        if len(signs) > 1 or () in signs:
+            return False
+        E2, (re, im) = norm2(j.E), on_axis(j.M, j.E)
+        (I_lo, I_hi), (B_lo, B_hi), (K_lo, K_hi) = box
+        right, left = (re + E2 * (Poly.of(at) - X * Poly.of(inertia)) for at, inertia in ((K_lo, I_hi), (K_hi, I_lo)))
+        above, below = (im + E2 * Poly.of(damping) for damping in (B_lo, B_hi))
+        sides = (side.c for side in (right, -left, above, -below) if side)
+        rows = [c[next(k for k, a in enumerate(c) if a) :] for c in sides]  # over x^k > 0
+        return one_is_positive(rows, (0, 1), (1, 0), self.deadline)

@@ -138,9 +138,8 @@ def _number_or(schema: Any, value: Any, path: str) -> Any:
 
 def _points(value: Any, path: str) -> list[list[Fraction]]:
     found = _meaning([[NATURAL]], value, path)
-    demand(
-        0 < len(found) <= MAX_POINTS and all(len(point) == 2 for point in found), f"{path}: expected 1 to 1000 pairs"
-    )
+    pairs = 0 < len(found) <= MAX_POINTS and all(len(point) == 2 for point in found)
+    demand(pairs, f"{path}: expected 1 to {MAX_POINTS} pairs")
     demand(all(a[0] < b[0] for a, b in pairwise(found)), f"{path}: frequencies must increase")
     return found  # type: ignore[no-any-return]
 

@@ -13,7 +13,8 @@ Expect = Callable[..., None]
 Part = dict[str, Any]  # of a certificate
 Kind = tuple[str, str]  # id and form of a claim
 Interval = tuple[Fraction, Fraction | float]
-ALL = "plant", "impedance", "actuator"  # sections that may have ranges
+PLACES = {"load": "plant", "impedance": "impedance", "actuator": "actuator"}  # of a witness: its section
+ALL = tuple(PLACES.values())  # sections that may have ranges
 WHOLE: Interval = (Fraction(0), inf)
 FALLING = "peak", "rendering", "noise"  # smaller is better
 SIGNED = {("eq12", "disc"), ("eq12", "structured")}  # the forms whose margin may be negative
@@ -112,7 +113,7 @@ def _compare_witness(
 
 def _inside(spec: dict[str, Any], witness: dict[str, Any], v: Fraction, form: str, expect: Expect) -> None:
     """The witness's parameters are in their ranges, for a box scaled by v about the nominal."""
-    for place, section in (("load", "plant"), ("impedance", "impedance"), ("actuator", "actuator")):
+    for place, section in PLACES.items():
         expect(not witness[place] or form not in ("hurwitz", "winding"), f"refuted_at.{place}: this claim is nominal")
         for key, at in (witness[place] or {}).items():
             expect(key in spec[section], f"refuted_at.{place}: there is no {key}")

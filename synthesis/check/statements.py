@@ -1,53 +1,36 @@
 """What each claim says at a value v, for the whole uncertainty or one load: written once, for polynomials and cells."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
+from itertools import product
 
-from .cells import Cell
-from .joint import EDGE, Joint, Real, S, Value, ranges
+from .joint import Joint, Parts, Real, S, Value
 from .outcome import MISMATCH, demand
 from .polynomials import ONE, ZERO, Poly, X, norm2, on_axis
 from .positivity import Inequality
 
 Load = Poly | None  # dynamic stiffness of the one load of a witness; None: every load of the uncertainty
-Parts = Iterator[Inequality]  # to be proven
+Limit = Callable[[Callable[[Joint], tuple[Poly, Poly]], Poly], Real]  # of a part over a power of s; None: infinite
+EDGE = "edge"  # of the box of loads: where on it is a parameter
 LOADED = "impedance", "actuator"  # sections of parameters that a statement depends on
-
-
-def _ratios(j: Joint, load: Load, edge: bool = False) -> list[tuple[Real, Real]]:
-    """`|ĝ − g|²` and `|g|²` for every load that can decide; on the edge where it is a parameter."""
-    loads = [*j.loads(load), *(j.edge if edge and load is None else [])]
-    return [(norm2(j.nominal - g), norm2(g)) for g in loads]
 
 
 def _discs(j: Joint, load: Load) -> list[tuple[Real, Real]]:
     """Lumped radius from a box or from discs: pairs with `V² = pair[0]/pair[1]`, V the largest over the pairs."""
     discs = any(j.spec["uncertainty"][key] for key in ("weight", "table"))
     demand(not (j.box and discs), "this form is for a box or for discs, not for both", MISMATCH)
-    return _ratios(j, load) if j.box else [j.disc]
+    return j.ratios(load) if j.box else [j.disc]
 
 
 def _small_gain(j: Joint, v: Fraction, load: Load, a: Value, b: Value, p: Value = ZERO) -> Parts:
     """`|p| + v W |a| < |b|`, 1 + W = (1 + W_b)(1 + V), W_b = |ĝ−g|/|g|, multiplied by |g|, or by V's denominator."""
     a2, b2, p2 = Poly.of(v**2) * norm2(a), norm2(b), norm2(p)
-    if not (j.box and j.disc[0]):
-        for gap, size in _ratios(j, load, edge=True) if j.box else [j.disc]:
-            yield Inequality([p2 * size, a2 * gap], b2 * size)
+    if j.box and j.disc[0]:
+        yield from j.both(a2, b2, p2, load)
         return
-    V2 = (a2.cell.real(j.disc[0]) * a2.cell.real(j.disc[1]).inverse()).at(0)  # both: on cells only
-    V = V2.root()
-    for k, (gap, size) in enumerate(_ratios(j, load, edge=True)):
-        ratio = a2.cell.real(gap) * a2.cell.real(size).inverse()
-        if k < len(j.loads(load)) and (ratio.m >= 0 or not ratio.cell.ends):
-            W = (ratio.at(0).root() + ONE) * (V + ONE) - ONE
-            yield Inequality([p2, W * W * a2], b2)
-        elif not p or ranges(j.spec, LOADED):
-            yield Inequality([p2 * size, V2 * a2 * size, (V + ONE) * (V + ONE) * a2 * gap], b2 * size)
-        else:  # a polynomial along the edge, not in other parameters
-            most, last = ((norm * b2.inverse()).at(0) for norm in (p2, a2))
-            P = most.root() + V * last.root()
-            yield Inequality([P * P * size, (V + ONE) * (V + ONE) * last * gap], size)
+    for gap, size in j.ratios(load, edge=True) if j.box else [j.disc]:
+        yield Inequality([p2 * size, a2 * gap], b2 * size)
 
 
 def eq12_paper(j: Joint, v: Fraction, load: Load) -> Parts:
@@ -58,8 +41,7 @@ def eq12_paper(j: Joint, v: Fraction, load: Load) -> Parts:
     room = Poly.of(2) * X * on_axis(m, ONE)[1]
     for gap, size in _discs(j, load):
         yield Inequality([Poly.of(max(v, Fraction(1)) ** 2) * gap], size)
-        radius, sums = Poly.of(v**2) * gap, [h2 * norm2(m + S), h2 * norm2(m - S), room * room * D2]
-        yield Inequality([radius * term for term in sums], room * room * D2 * size)
+        yield from j.weighed(Poly.of(v**2) * gap, h2 * norm2(m + S), h2 * norm2(m - S), room * room * D2, size)
 
 
 def passivity(form: str, j: Joint, v: Fraction, load: Load) -> Parts:
@@ -80,23 +62,20 @@ def passivity(form: str, j: Joint, v: Fraction, load: Load) -> Parts:
             yield Inequality([gap * size * norm2(Y) * D2], X * margin * margin, strict)
 
 
-def port_ends(friction: bool, j: Joint, nominal: Joint, cell: Cell, load: Load) -> Parts:
+def port_ends(name: str, far: bool, j: Joint, limit: Limit, V2: Real, load: Load) -> Parts:
     """Where Re(Z/s) is silent about the pole of Z/s: Z(0) ≥ 0 and lim Z/s² ≥ 0; friction: N(g)/N(ĝ) > 0 there.
-    A disc makes the value A − (A−B)e, B that of E g, over all real e in [−V, V]: A ≥ 0 and (A−B)² V² ≤ A².
-    The cell is the point ω = 0 or ∞; A and B are taken over the nominal's denominator, and times this one's."""
-    gap, size = map(cell.real, j.disc_on(cell))
-    V2, name = (gap * size.inverse()).at(0), "stability-free" if friction else "stability-locked"
-    by = nominal.value(cell, name, nominal.nominal).inverse()
-    power = (S * S if cell.far and not friction else ONE) * cell.axis(ONE)
-    below, over = j.value(cell, name, j.nominal) * by, by * power.inverse()
+    A disc makes the value A − M e, A that of E g + M, over all real e in [−V, V]: A ≥ 0 and M² V² ≤ A².
+    The limits at ω = 0 or ∞ are over the nominal's denominator, the function called `name`; c is that of this one."""
+    strict = name == "stability-free"
+    power = S * S if far and not strict else ONE
+    c = limit(partial(Joint.loop, name=name, g=j.nominal), ONE)
     for g in j.loads(load):
-        A, B = j.value(cell, "stability-free", g) * over, cell.spread(*(k.E * g for k in (j, *j.others))) * over
-        finite = A.bounded() and B.bounded() and below.bounded()
-        a, b, c = (z.p.at(0) if finite else cell.form(-1) for z in (A, B, below))
-        yield Inequality([], c * c)
-        yield Inequality([], a * c if finite else a, friction)
-        if gap:
-            yield Inequality([V2 * (a - b) * (a - b)], a * a, friction)
+        A, M = (limit(partial(Joint.loop, name="stability-free", g=at), power) for at in (g, ZERO))
+        A, M, over = (-ONE, ZERO, ONE) if A is None or M is None or c is None else (A, M, c)
+        yield Inequality([], over * over)
+        yield Inequality([], A * over, strict)
+        if V2:
+            yield Inequality([V2 * M * M], A * A, strict)
 
 
 def eq18(form: str, actuator: str, j: Joint, v: Fraction, load: Load) -> Parts:
@@ -132,21 +111,17 @@ def rendering(j: Joint, v: Fraction, load: Load) -> Parts:
         yield Inequality([left2, gap * size * norm2(Y)], bound, strict=False)
 
 
-DRIVEN = *LOADED, EDGE[0]
-STATEMENTS: dict[
-    tuple[str, str], tuple[Callable[[Joint, Fraction, Load], Parts], tuple[str, ...]]
-] = {  # and its parameters
+EQ18 = "paper", "lumped", "half-plane"
+DRIVEN = *LOADED, EDGE
+Statement = Callable[[Joint, Fraction, Load], Parts]
+STATEMENTS: dict[tuple[str, str], tuple[Statement, tuple[str, ...]]] = {  # and the parameters it depends on
     ("bandwidth", "attenuation"): (partial(sensitivity, "bandwidth"), ("actuator",)),
     ("peak", "sensitivity"): (partial(sensitivity, "peak"), ("actuator",)),
     ("noise", "command"): (partial(sensitivity, "noise"), ("actuator",)),
     ("rendering", "every-load"): (rendering, LOADED),
     ("friction", "strictly-positive-real"): (partial(passivity, "friction"), LOADED),
-    ("eq9", "printed"): (partial(eq18, "half-plane", "ideal"), ("impedance", EDGE[0])),
+    ("eq9", "printed"): (partial(eq18, "half-plane", "ideal"), ("impedance", EDGE)),
     ("eq12", "paper"): (eq12_paper, ("impedance",)),
     **{("eq12", form): (partial(passivity, form), LOADED) for form in ("disc", "structured")},
-    **{
-        ("eq18", f"{f}/{c}"): (partial(eq18, f, c), DRIVEN)
-        for c in ("frozen", "physical")
-        for f in ("paper", "lumped", "half-plane")
-    },
+    **{("eq18", f"{f}/{c}"): (partial(eq18, f, c), DRIVEN) for c, f in product(("frozen", "physical"), EQ18)},
 }

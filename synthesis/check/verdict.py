@@ -1,9 +1,9 @@
 """From bytes to a verdict: read, compare with the specification, re-prove every claim."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context, Decimal
-from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,8 @@ class Verdict:
 
     def _repr_html_(self) -> str:
         """The line and the claims, for a notebook."""
+        from html import escape  # no notebook, no HTML
+
         rows = ("".join(f"<td>{escape(cell)}</td>" for cell in claim[:3]) for claim in self.claims)
         table = "".join(f"<tr>{row}</tr>" for row in rows)
         return f"<div><b>{escape(repr(self)[1:-1])}</b></div>" + (f"<table>{table}</table>" if table else "")
@@ -54,7 +56,7 @@ def check_bytes(data: bytes, *, time_limit: float = 60.0) -> Verdict:
         certificate = read(data)
         validate(certificate, deadline)
         compare(certificate)
-        prover = Prover(certificate, deadline)
+        decide = _decision(certificate, deadline)
     except CheckError as error:
         return Verdict(error.code, str(error))
     claims, stops = [], []
@@ -62,7 +64,7 @@ def check_bytes(data: bytes, *, time_limit: float = 60.0) -> Verdict:
         name, status = f"{claim['id']} {claim['form']}", claim["status"]
         message = f"{name}: {status}"
         try:
-            _check(prover, claim)
+            _check(decide, claim)
         except CheckError as error:
             status, message = "not verified", f"{name}: {error}"
             stops.append((error.code, message))
@@ -75,20 +77,34 @@ def check_bytes(data: bytes, *, time_limit: float = 60.0) -> Verdict:
     return Verdict(0, f"ω_B ≥ {omega_b} rad/s  {proven} claims", omega_b, tuple(claims))
 
 
-def _check(prover: Prover, claim: dict[str, Any]) -> None:
+def _decision(certificate: dict[str, Any], deadline: float) -> Callable[..., str]:
+    """Where a claim fails: by polynomials alone, and on cells from the first claim that needs them."""
+    prover = Prover(certificate, deadline)
+
+    def fault(*claim: Any) -> str:
+        nonlocal prover
+        found = prover.fault(*claim)
+        if found is None:
+            from .enclosure.claims import CellProver  # the only place where one tier knows of the other
+
+            prover = CellProver(certificate, deadline)
+            found = prover.fault(*claim)
+        return found
+
+    return fault
+
+
+def _check(fault_of: Callable[..., str], claim: dict[str, Any]) -> None:
     """Re-prove one claim at its margin, and verify that it fails at its witness."""
     kind, whole = (claim["id"], claim["form"]), claim["interval"] == WHOLE
     required, status, interval, witness = (claim[key] for key in ("required", "status", "interval", "refuted_at"))
     if status == "proven":
-        fault = prover.fault(kind, claim["margin"], interval, whole)
+        fault = fault_of(kind, claim["margin"], interval, whole)
         demand(not fault, f"does not hold{fault}", FALSE)
     if witness is not None:
         v, omega = witness["value"], witness["omega"]
-        fault = prover.fault(kind, v, interval if omega is None else (omega, omega), whole, witness)
-        demand(
-            fault != "",
-            f"its witness of {'refutation' if status == 'refuted' else 'tightness'} is false: it holds there",
-            FALSE,
-        )
+        fault = fault_of(kind, v, interval if omega is None else (omega, omega), whole, witness)
+        shown = "refutation" if status == "refuted" else "tightness"
+        demand(fault != "", f"its witness of {shown} is false: it holds there", FALSE)
         demand(not required or status != "refuted", f"required, and refuted{fault}", FALSE)
     demand(not required or status != "undecided", "required, and undecided", UNDECIDED)

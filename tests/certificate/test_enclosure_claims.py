@@ -23,6 +23,7 @@ from robimp.synthesis.certificate.enclosure.claims import prove_constraints
 from robimp.synthesis.certificate.enclosure.exclusion import crossing, excluded, plane
 from robimp.synthesis.certificate.enclosure.joint import Family, JointOnCells, family_of
 from robimp.synthesis.certificate.enclosure.prover import CellProver
+from robimp.synthesis.certificate.enclosure.tolerance import Weakest, weakest
 from robimp.synthesis.certificate.enclosure.winding import turns
 from robimp.synthesis.certificate.hurwitz import is_hurwitz
 from robimp.synthesis.certificate.outcome import Outcome
@@ -419,6 +420,17 @@ def test_a_search_is_told_where_a_tolerance_fails() -> None:
     found = counterexamples(setting, C, 8.87)
     assert [c.id for c in found] == ["tolerance"]
     assert np.isfinite(found[0].omega)
+
+
+def test_a_band_with_nothing_but_zero_has_nothing_that_a_perturbation_breaks() -> None:
+    """As that of a bandwidth of 0 rad/s; up to 1 rad/s there is something."""
+    setting, C = subject(extended(tolerance=Fraction(1, 100)), Q)
+    peak, family = next(iter(constraints(setting, "peak"))), family_of(setting, C)
+
+    def found(end: int) -> Weakest | None:
+        return weakest(family, [(replace(peak, band=(Fraction(0), Fraction(end))), Fraction(2))])
+
+    assert found(0) is None and found(1) is not None
 
 
 def test_parameters_are_only_what_is_uncertain() -> None:

@@ -13,12 +13,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robimp.synthesis.check.cells import Cell, roots
-from robimp.synthesis.check.forms import Axis, Form, UnresolvedError, excludes_zero
+from robimp.synthesis.check.enclosure.cells import Cell, roots
+from robimp.synthesis.check.enclosure.forms import Axis, Form, UnresolvedError, excludes_zero
+from robimp.synthesis.check.enclosure.search import compare, cover
 from robimp.synthesis.check.outcome import CheckError
 from robimp.synthesis.check.polynomials import Poly
 from robimp.synthesis.check.positivity import Inequality
-from robimp.synthesis.check.search import compare, cover
 
 Point = list[Fraction]  # t_0, t_1, … in [−1, 1]
 

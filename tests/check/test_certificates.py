@@ -327,7 +327,7 @@ def test_it_runs_alone_with_the_standard_library_only(tmp_path: Path) -> None:
     file.write_bytes(data(REFERENCE))
     run = subprocess.run([sys.executable, "-I", "-S", folder, file], capture_output=True, text=True, check=False)
     assert run.returncode == 0 and run.stdout.startswith("PROVEN  ") and run.stderr == ""
-    for module in folder.glob("*.py"):
+    for module in folder.rglob("*.py"):
         for line in module.read_text().splitlines():
             if line.startswith(("import ", "from ")) and not line.startswith("from ."):
                 name = line.split()[1].split(".")[0]

@@ -12,7 +12,7 @@ from certificate_builder import EQ23, certificate, claim, data, dob, find, omega
 from claim_floats import Joint, Json, num
 
 from robimp.synthesis.check import check_bytes
-from robimp.synthesis.check.proofs import Prover
+from robimp.synthesis.check.enclosure.claims import CellProver
 from robimp.synthesis.check.reader import read
 
 WEIGHT = {"numerator": ["1/20", "0"], "denominator": ["1", "100"]}
@@ -117,7 +117,7 @@ def test_exact_formula_equals_the_float_formula_at_random_frequencies(name: str,
     s = spec(**{"constraints": NOTHING, **JOINTS[name]})
     if kind == "eq12" and form != "structured" and s["uncertainty"]["weight"]:
         s["uncertainty"]["box"] = None
-    prover = Prover(read(data(certificate(s, EQ23))), monotonic() + 20)
+    prover = CellProver(read(data(certificate(s, EQ23))), monotonic() + 20)
     rng, box, checked = random.Random(f"{name}{kind}{form}"), s["uncertainty"]["box"], 0
     for _ in range(40):
         omega = Fraction(f"{math.exp(rng.uniform(-1, 6)):.4g}")
@@ -151,7 +151,7 @@ def test_the_edge_of_the_box_matters_where_the_load_can_resonate() -> None:
     brute = min(at.margin("eq9", "printed", load=load) for load in loads)
     corners = at.margin("eq9", "printed", 2)
     assert brute < 0.7 * corners
-    prover = Prover(read(data(certificate(s, EQ23))), monotonic() + 20)
+    prover = CellProver(read(data(certificate(s, EQ23))), monotonic() + 20)
 
     def proven(v: float) -> bool:
         return not prover.fault(("eq9", "printed"), Fraction(v), (Fraction(25), Fraction(25)), False)

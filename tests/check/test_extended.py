@@ -29,8 +29,9 @@ from certificate_builder import (
 )
 from claim_floats import Joint, Json, num
 
-from robimp.synthesis.check import check_bytes, proofs
-from robimp.synthesis.check.proofs import Prover
+from robimp.synthesis.check import check_bytes
+from robimp.synthesis.check.enclosure import claims
+from robimp.synthesis.check.enclosure.claims import CellProver
 from robimp.synthesis.check.reader import read
 
 SAMPLED: Json = {"sampling": {"rate": "1000", "delay": "1/1000"}}
@@ -90,7 +91,7 @@ def test_true_certificates_pass_and_each_margin_a_little_harder_does_not(name: s
 @pytest.mark.parametrize("name", ["sampled", "range", "motor", "sampled range motor", "table"])
 def test_at_random_points_cells_say_what_floats_say(name: str) -> None:
     s = spec(**CASES[name])
-    prover = Prover(read(data(certificate(s, EQ23))), monotonic() + 100)
+    prover = CellProver(read(data(certificate(s, EQ23))), monotonic() + 100)
     rng, checked = random.Random(name), 0
     for kind, form in (
         ("eq9", "printed"), ("eq18", "half-plane/physical"), ("eq18", "paper/frozen"), ("eq12", "structured"),
@@ -219,7 +220,7 @@ def test_winding_counts_the_roots_that_pade_counts(delay: str, gain: str) -> Non
     cert["spec"] = s
     for end in ("free", "locked"):
         find(cert, f"stability-{end}").update(form="winding", margin="0")
-    prover = Prover(read(data(seal(cert))), monotonic() + 20)
+    prover = CellProver(read(data(seal(cert))), monotonic() + 20)
     for kind in ("stability-free", "stability-locked"):
         text = prover.fault((kind, "winding"), Fraction(0), (Fraction(0), math.inf), True)
         expected = pade_roots(s, C, kind)
@@ -484,6 +485,6 @@ def test_time_limits() -> None:
 
 
 def test_a_store_of_joints_that_is_emptied_while_one_is_made_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(proofs, "VIEWS", 2)
+    monkeypatch.setattr(claims, "VIEWS", 2)
     verdict = check_bytes((Path(__file__).parents[1] / "data/golden/sampled-range.json").read_bytes(), time_limit=300)
     assert verdict.exit_code == 0, verdict.message

@@ -11,11 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from robimp.synthesis.check.cells import Cell
+from robimp.synthesis.check.enclosure.cells import Cell
+from robimp.synthesis.check.enclosure.search import cover
 from robimp.synthesis.check.outcome import CheckError
 from robimp.synthesis.check.polynomials import ONE, ZERO, Poly, common_divisor, decays_faster, norm2, on_axis, product
 from robimp.synthesis.check.positivity import Inequality, Point, counterexample, failure
-from robimp.synthesis.check.search import cover
 
 ZERO_X, INF = (0, 1), (1, 0)
 ROOTS = st.fractions(min_value=-4, max_value=40, max_denominator=7)

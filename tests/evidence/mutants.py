@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import copy
+import importlib
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -93,8 +94,9 @@ def _edits(node: ast.AST) -> Iterator[tuple[str, ast.AST | None]]:
         yield "returns None", ast.Return(ast.Constant(None))
 
 
-def mutants(file: Path) -> Iterator[Mutant]:
-    """Every mutant of a source file."""
+def mutants(file: Path, folder: Path | None = None) -> Iterator[Mutant]:
+    """Every mutant of a source file, named by its place in the folder."""
+    name_of_file = file.relative_to(folder or file.parent).as_posix()
     source = file.read_text(encoding="utf-8")
     lines, tree = source.splitlines(), ast.parse(source)
 
@@ -110,7 +112,7 @@ def mutants(file: Path) -> Iterator[Mutant]:
                         _put(node, name, value, k, new)
                         text = ast.unparse(ast.fix_missing_locations(tree))
                         _put(node, name, value, k, child)
-                        yield Mutant(file.name, child.lineno, place, lines[child.lineno - 1].strip(), change, text)
+                        yield Mutant(name_of_file, child.lineno, place, lines[child.lineno - 1].strip(), change, text)
                 inner = child.name if isinstance(child, ast.FunctionDef | ast.ClassDef) else place
                 yield from visit(child, inner, hidden)
 
@@ -128,7 +130,8 @@ def transplant(mutant: Mutant) -> None:
     """Let the mutant's code, attributes and constants take the place of those that are running.
 
     Code is exchanged inside the functions that exist, so whoever holds one already runs the mutant."""
-    module = sys.modules[f"{PACKAGE}.{Path(mutant.file).stem}"]
+    parts = Path(mutant.file).with_suffix("").parts
+    module = importlib.import_module(".".join([PACKAGE, *(part for part in parts if part != "__init__")]))
     new = {k: v for k, v in vars(module).items() if k.startswith("__")}
     exec(compile(mutant.source, mutant.file, "exec"), new)
     for name, value in new.items():

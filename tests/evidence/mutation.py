@@ -150,14 +150,15 @@ class Mutation:
 
     def todo(self) -> list[Mutant]:
         """All mutants that were asked for, in an order that makes the first ones a fair sample."""
-        wanted = [f for f in sorted(CHECK.glob("*.py")) if not self.given.module or f.name in self.given.module]
-        found = [m for file in wanted for m in mutants(file)]
+        files = {file.relative_to(CHECK).as_posix(): file for file in sorted(CHECK.rglob("*.py"))}
+        wanted = [file for name, file in files.items() if name in (self.given.module or files)]
+        found = [m for file in wanted for m in mutants(file, CHECK)]
         random.Random(self.given.seed).shuffle(found)
         return found
 
     def digest(self) -> str:
         """Of the checker and its tests: what was tried on others does not count."""
-        files = [*CHECK.glob("*.py"), *(p for t in TESTS for p in (t.rglob("*.py") if t.is_dir() else [t]))]
+        files = [*CHECK.rglob("*.py"), *(p for t in TESTS for p in (t.rglob("*.py") if t.is_dir() else [t]))]
         return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()[:16]
 
     def record(self) -> tuple[Path | None, dict[str, str]]:
@@ -180,7 +181,7 @@ def main() -> int:
     """Try mutants within the budget, and print what survived and the counts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--budget", type=float, default=600, help="seconds of trying (default 600)")
-    parser.add_argument("--module", action="append", help="file name in synthesis/check (default all)")
+    parser.add_argument("--module", action="append", help="file, as enclosure/cells.py (default all)")
     parser.add_argument("--record", type=Path, help="file of what was tried, to go on later")
     parser.add_argument("--tests", nargs="+", type=Path, default=TESTS)
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)

@@ -9,11 +9,12 @@ from itertools import product
 from operator import add
 from typing import Any
 
-from .cells import Cell, Point, Ranges
+from ..joint import Point, Ranges
+from ..outcome import UNDECIDED, CheckError, demand, tick
+from ..polynomials import Poly
+from ..positivity import Inequality
+from .cells import Cell
 from .forms import Axis, Form, UnresolvedError, excludes_zero
-from .outcome import UNDECIDED, CheckError, demand, tick
-from .polynomials import Poly
-from .positivity import Inequality
 
 CELLS, DEPTH, POINTS = 40_000, 60, 4_096  # limits
 CONTROL = {  # from values at 0, 1/n, …, 1 of a polynomial of degree n to its Bernstein coefficients, times [0][0]

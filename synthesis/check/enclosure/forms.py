@@ -9,8 +9,8 @@ from math import isqrt, ldexp
 from operator import add, itemgetter, mul
 from typing import TYPE_CHECKING, Any
 
-from .outcome import UNDECIDED, CheckError
-from .polynomials import Ring
+from ..outcome import UNDECIDED, CheckError
+from ..polynomials import Ring
 
 if TYPE_CHECKING:
     from .cells import Cell

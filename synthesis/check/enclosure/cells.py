@@ -11,11 +11,10 @@ from math import factorial, inf
 from operator import add
 from typing import Any
 
+from ..joint import Ranges
+from ..polynomials import ONE, Poly, X
 from .forms import BITS, Axis, Form, UnresolvedError
-from .polynomials import ONE, Poly, X
 
-Ranges = dict[tuple[str, Any], tuple[Fraction, Fraction]]  # parameters that vary
-Point = dict[tuple[str, Any], Any]  # parameters at values: rational, or symbols of a cell
 Taylor = tuple[int, int, int, int]  # 2^-BITS (c0 + c1 t + c2 t² ± r)
 ZERO = Fraction(0)
 TERMS = 30  # of the exponential's series
