@@ -18,6 +18,7 @@ import random
 import signal
 import sys
 import time
+import traceback
 from collections import Counter
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -31,9 +32,10 @@ from mutants import PACKAGE, Mutant, mutants, transplant
 ROOT = Path(__file__).parents[2]
 CHECK = ROOT / "synthesis" / "check"
 TESTS = [ROOT / "tests" / "evidence" / "test_evidence_corpus.py", ROOT / "tests" / "check"]
+DATA = ROOT / "tests" / "data"
 SURVIVORS = Path(__file__).with_name("survivors.md")
 SLOWER, GRACE = 8, 5.0  # a test that takes so many times as long, and so many seconds [s] more, has noticed
-SURVIVED = "survived"
+SURVIVED, UNLOADED, ENDED = "survived", "does not load", "ends the process"
 T = TypeVar("T")
 
 
@@ -48,6 +50,13 @@ def explained() -> set[str]:
     """Keys of the survivors that have an explanation."""
     lines = SURVIVORS.read_text(encoding="utf-8").splitlines()
     return {line[2:].rsplit(" ⇒ ", 1)[0] for line in lines if line.startswith("- ") and " ⇒ " in line}
+
+
+def digest(tests: list[Path]) -> str:
+    """Of the checker, the tests and the certificates they read: what was tried on others does not count."""
+    files = [*CHECK.rglob("*.py"), *DATA.rglob("*.json")]
+    files += [file for path in tests for file in (path.rglob("*.py") if path.is_dir() else [path])]
+    return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()[:16]
 
 
 def failed(item: pytest.Item, after: pytest.Item | None) -> bool:
@@ -78,8 +87,8 @@ def trial(mutant: Mutant, items: list[pytest.Item], known: dict[str, Reach]) -> 
     """The first test that notices a mutant; the process ends by SIGALRM if one is not done in its time."""
     try:
         transplant(mutant)
-    except Exception as fault:  # it does not even load
-        return type(fault).__name__
+    except Exception as fault:
+        return f"{UNLOADED}: {type(fault).__name__}"
     everywhere = all(mutant.place not in r.places for r in known.values())
     items = [i for i in items if everywhere or mutant.place in known[i.nodeid].places]
     for item, after in zip(items, [*items[1:], None], strict=True):
@@ -90,7 +99,10 @@ def trial(mutant: Mutant, items: list[pytest.Item], known: dict[str, Reach]) -> 
 
 
 def in_forks(work: Iterable[T], do: Callable[[T], Any], processes: int, until: float) -> Iterable[tuple[T, Any]]:
-    """Each piece of work with its answer, from a process of its own; None if that was lost."""
+    """Each piece of work with its answer, from a process of its own; None if a signal ended that.
+
+    Raises: RuntimeError when the work itself failed, which says nothing about the checker.
+    """
     running: dict[int, tuple[T, int]] = {}
     waiting = iter(work)
     while True:
@@ -109,14 +121,18 @@ def in_forks(work: Iterable[T], do: Callable[[T], Any], processes: int, until: f
                 signal.signal(signal.SIGALRM, signal.SIG_DFL)
                 answer = json.dumps(do(piece), default=list).encode()
                 os.write(sink, answer)
-            finally:
                 os._exit(0)
+            except BaseException:
+                traceback.print_exc()
+                os._exit(1)
         if not running:
             return
-        pid, _ = os.wait()
+        pid, status = os.wait()
         piece, source = running.pop(pid)
         with os.fdopen(source, "rb") as pipe:
             said = pipe.read()
+        if not said and not os.WIFSIGNALED(status):
+            raise RuntimeError(f"{piece}: not tried, see above")
         yield piece, json.loads(said) if said else None
 
 
@@ -125,14 +141,13 @@ class Mutation:
 
     def __init__(self, given: argparse.Namespace) -> None:
         self.given, self.counts, self.survivors = given, Counter[str](), list[Mutant]()
+        self.digest = digest(given.tests)
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         processes = self.given.processes
         items = {item.nodeid: item for item in session.items}
         known: dict[str, Reach] = {}
         for name, answer in in_forks(items, lambda n: reach(items[n]), processes, float("inf")):
-            if answer is None:
-                raise pytest.UsageError(f"{name} fails without any change")
             known[name] = Reach(answer[0], frozenset(answer[1]))
         ordered = sorted(session.items, key=lambda i: known[i.nodeid].seconds)
         record, tried = self.record()
@@ -140,10 +155,10 @@ class Mutation:
         for mutant, by in in_forks(
             (m for m in self.todo() if m.key not in tried), lambda m: trial(m, ordered, known), processes, until
         ):
-            tried[mutant.key] = by or "takes too long"
+            tried[mutant.key] = by or ENDED
             if record:
                 with record.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps([self.digest(), mutant.key, tried[mutant.key]]) + "\n")
+                    file.write(json.dumps([self.digest, mutant.key, tried[mutant.key]]) + "\n")
         for mutant in self.todo():
             self.count(mutant, tried.get(mutant.key))
         return True
@@ -156,21 +171,17 @@ class Mutation:
         random.Random(self.given.seed).shuffle(found)
         return found
 
-    def digest(self) -> str:
-        """Of the checker and its tests: what was tried on others does not count."""
-        files = [*CHECK.rglob("*.py"), *(p for t in TESTS for p in (t.rglob("*.py") if t.is_dir() else [t]))]
-        return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()[:16]
-
     def record(self) -> tuple[Path | None, dict[str, str]]:
         """The record's file, and what it says of this checker."""
         path = self.given.record
         if path is None or not path.exists():
             return path, {}
         lines = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
-        return path, {key: by for digest, key, by in lines if digest == self.digest()}
+        return path, {key: by for digest, key, by in lines if digest == self.digest}
 
     def count(self, mutant: Mutant, by: str | None) -> None:
         how = "not tried" if by is None else "noticed" if by != SURVIVED else "survived, explained"
+        how = by if by and by.startswith(UNLOADED) else how
         if by == SURVIVED and mutant.key not in explained():
             how = SURVIVED
             self.survivors.append(mutant)

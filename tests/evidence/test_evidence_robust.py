@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import ast
+import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import fuzzing
@@ -79,3 +82,49 @@ def test_a_mutant_takes_the_place_of_the_checker_in_its_own_process_only() -> No
 def test_a_process_that_dies_is_a_mutant_noticed() -> None:
     answers = mutation.in_forks([0, 1], lambda n: os.kill(os.getpid(), 9) if n else n, 2, float("inf"))
     assert sorted(map(str, dict(answers).values())) == ["0", "None"]
+
+
+CLOCK = """
+import time
+
+import pytest
+
+from robimp.synthesis.check.outcome import UNDECIDED, CheckError, tick
+
+
+def test_the_clock():
+    tick(time.monotonic() + 60)
+    with pytest.raises(CheckError, match="time limit") as late:
+        tick(0.0)
+    assert late.value.code == UNDECIDED
+"""
+
+
+def mutated(tests: str, tmp_path: Path) -> subprocess.CompletedProcess[str]:
+    """`mutation.py` over the checker's smallest module with these tests."""
+    file, record = tmp_path / "test_clock.py", tmp_path / "tried.jsonl"
+    file.write_text(tests, encoding="utf-8")
+    command = [sys.executable, mutation.__file__, "--module", "outcome.py", "--tests", file, "--record", record]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, cwd=tmp_path)
+
+
+def test_mutants_are_tried_by_the_tests_that_enter_them(tmp_path: Path) -> None:
+    done = mutated(CLOCK, tmp_path)
+    lines = [json.loads(line) for line in (tmp_path / "tried.jsonl").read_text(encoding="utf-8").splitlines()]
+    by = {key: said for _, key, said in lines}
+    comparison = next(said for key, said in by.items() if "tick" in key and "LtE to Gt" in key)
+    assert comparison.endswith("test_the_clock"), "the test that failed"
+    assert "survived" in by.values() and done.returncode == 1, "nobody asks for the other exit codes"
+    assert f"{sum(said == 'survived' for said in by.values())} survived" in done.stdout
+
+
+def test_mutants_are_not_tried_by_tests_that_fail_without_them(tmp_path: Path) -> None:
+    done = mutated(CLOCK.replace("== UNDECIDED", "!= UNDECIDED"), tmp_path)
+    assert done.returncode != 0 and "fails without any change" in done.stdout + done.stderr
+    assert not (tmp_path / "tried.jsonl").exists()
+
+
+def test_a_piece_of_work_that_fails_is_no_answer(capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(RuntimeError, match="not tried"):
+        list(mutation.in_forks([0], lambda n: 1 // n, 1, float("inf")))
+    assert "ZeroDivisionError" in capfd.readouterr().err
