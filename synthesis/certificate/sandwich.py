@@ -19,8 +19,8 @@ COARSE = (5e-3, 2e-2, 0.1)  # where only cells decide, each further digit costs 
 
 def prove_hardest(prover: Prover, constraint: Constraint) -> Claim:
     """Prove at the hardest level found; if the required level cannot be proven, refute it with a witness."""
-    prover = replace(prover, evaluator=prover.evaluator.with_ends(constraint)).focused(constraint)
-    (best, _), required, harder = prover.best_level(constraint), constraint.level, constraint.role.harder
+    prover, best = replace(prover, evaluator=prover.evaluator.with_ends(constraint)).focused(constraint)
+    required, harder = constraint.level, constraint.role.harder
     levels = _beside(best, -harder, constraint, COARSE if prover.needs_cells(constraint) else TIGHTNESS)
     if required is not None:
         levels = [v for v in levels if harder * (v - required) > 0] + [required]
