@@ -135,10 +135,10 @@ class Prover:
             found = [np.inf if witness is None or witness.omega is None else float(witness.omega)]
         return tuple(found)
 
-    def focused(self, constraint: Constraint) -> tuple[Prover, float]:
-        """A prover with a grid refined twice where the constraint is tightest, and the hardest level that holds on it.
+    def focused(self, constraint: Constraint) -> tuple[Prover, float, float]:
+        """A prover with a grid refined twice where the constraint is tightest; the hardest level that holds, and its ω.
 
-        Levels are floats: they say what to try. Only new frequencies are evaluated.
+        Level and ω are floats: they say what to try. Only new frequencies are evaluated.
         """
         setting, omega, tight = self.subject.setting, self.evaluator.omega, self._tightness(constraint)
         for _ in range(2):
@@ -150,7 +150,13 @@ class Prover:
             omega, first = np.unique(np.concatenate([omega, between]), return_index=True)
             refined = replace(self, evaluator=Evaluator(setting, between))
             tight = np.concatenate([tight, refined._tightness(constraint)])[first]
-        return replace(self, evaluator=Evaluator(setting, omega)), constraint.role.harder * float(tight.min())
+        k = int(np.argmin(tight))
+        prover = replace(self, evaluator=Evaluator(setting, omega))
+        return prover, constraint.role.harder * float(tight[k]), float(omega[k])
+
+    def near(self, omega: float) -> Prover:
+        """A prover that looks for witnesses from one frequency."""
+        return replace(self, evaluator=Evaluator(self.subject.setting, np.array([omega])))
 
     def _tightness(self, constraint: Constraint) -> np.ndarray:
         """The hardest level that holds at each ω, over all inequalities, negative for a CEILING: the least decides."""

@@ -74,6 +74,13 @@ class Family:
         """C with its own coefficients."""
         return self.setting.build(self.numerator, self.denominator)
 
+    @cached_property
+    def by_load(self) -> tuple[fmpq_poly, fmpq_poly]:
+        """f and E of the characteristic polynomial in free motion, `f + E·(load − its middle)`."""
+        loop, load = self.setting.loop, self.load or self.setting.loop.nominal
+        f = loop.free(load)(self.compensator)
+        return f, loop.free(replace(load, stiffness=load.stiffness + 1))(self.compensator) - f
+
     def _scaled(self, interval: tuple[fmpq, fmpq, fmpq]) -> Range:
         low, high, middle = interval
         v = exact(self.spread)
@@ -169,10 +176,8 @@ class JointOnCells:
     def free(self) -> Wave:
         """Characteristic function in free motion, the load a parameter."""
         load = self.family.load or self.family.setting.loop.nominal
-        if self.family.only_loads:  # f(load) = f + E·(load − its middle), f and E exact polynomials
-            loop, C = self.family.setting.loop, self.family.compensator
-            f = loop.free(load)(C)
-            E = loop.free(replace(load, stiffness=load.stiffness + 1))(C) - f
+        if self.family.only_loads:
+            f, E = self.family.by_load
             moved = {k: self._number(f"load.{k}", getattr(load, k)) - getattr(load, k) for k in LOAD}
             change: Wave = DynamicStiffness(**moved, s=self.s).polynomial
             return self.s.polynomial(f) + self.s.polynomial(E) * change
