@@ -62,7 +62,7 @@ class Evaluator:
 
     setting: Setting
     omega: NDArray[np.float64]
-    _values: dict[Any, Any] = field(default_factory=dict, repr=False, compare=False)
+    _values: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def at(self, r: Any) -> Any:
         """A rational function on the grid, evaluated once."""

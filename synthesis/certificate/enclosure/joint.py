@@ -115,8 +115,8 @@ class JointOnCells:
 
     family: Family
     cells: Cells
-    _variables: dict[Variable, Wave] = field(default_factory=dict)
-    _values: dict[int, tuple[Any, Any]] = field(default_factory=dict)
+    _variables: dict[Variable, Wave] = field(default_factory=dict, init=False, repr=False)
+    _values: dict[int, tuple[Any, Any]] = field(default_factory=dict, init=False, repr=False)
 
     def _number(self, name: str, otherwise: Any) -> Any:
         parameters = self.family.parameters
