@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from flint import fmpq, fmpq_poly
@@ -37,13 +38,13 @@ class TwoPort:
         (h, d), (z, d_z) = H, Z_a
         return cls(h, z, d) if d == d_z else cls(h * d_z, z * d, d * d_z)
 
-    @property
+    @cached_property
     def H(self) -> Any:
         """Torque transfer with the output locked, the hold of a sampled controller included."""
         H = ratio(self.h, self.d)
         return H if self.hold is None else Held(ZERO, H, self.hold)
 
-    @property
+    @cached_property
     def Z_a(self) -> Any:
         """Output impedance: torque per angle, with τ_d = 0."""
         return ratio(self.z, self.d)

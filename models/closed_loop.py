@@ -10,6 +10,7 @@ Derivation: the load obeys `G⁻¹θ = τ_int + τ_sea`, the actuator `τ_sea = 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -46,12 +47,12 @@ class ImpedanceLoop:
     filters: Filters = field(default_factory=Filters)
     s: Any = field(default=S, repr=False, compare=False)
 
-    @property
+    @cached_property
     def G_imp(self) -> Any:
         """Desired dynamic stiffness as the θ channel sees it: `G_imp·F_θ/F`."""
         return self.desired.rational * self.filters.ratio
 
-    @property
+    @cached_property
     def compensation(self) -> Any:
         """`F_d (Ĝ⁻¹ − G_imp)`, (2)."""
         return self.filters.derivative * inverse_dynamic_compensation(self.nominal, self.desired)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 from flint import fmpq, fmpq_poly
@@ -24,12 +25,12 @@ class DynamicStiffness:
         """From any numbers. inertia [kg·m²], damping [N·m·s/rad], stiffness [N·m/rad]."""
         return cls(exact(inertia), exact(damping), exact(stiffness))
 
-    @property
+    @cached_property
     def polynomial(self) -> Any:
         """`I s² + B s + K`."""
         return self.s * self.s * self.inertia + self.s * self.damping + self.stiffness
 
-    @property
+    @cached_property
     def rational(self) -> Any:
         """The same as a rational function."""
         return RationalFunction.lift(self.polynomial)

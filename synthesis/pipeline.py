@@ -23,7 +23,7 @@ from .errors import ExitCode, InputError, RefutedError, RobimpError, UndecidedEr
 from .interruption import demand_none, demanding
 from .problem.grid import frequency_scale
 from .problem.setting import Setting
-from .recheck import VERDICT_CODE, recheck
+from .recheck import VERDICT_CODE, advised_limit, recheck
 from .report.cards import result_card
 from .report.terminal import decimal
 from .simulation import SampledComparison, Trials, sampled_comparison, verify
@@ -50,6 +50,7 @@ class Result:
     bound: Bound | None
     certificate: dict[str, Any]
     checked: Verdict
+    check_seconds: float
     trials: Trials
     agreement: Agreement
     sampled: SampledComparison
@@ -64,6 +65,11 @@ class Result:
     def exit_code(self) -> ExitCode:
         """The process exit code of this outcome."""
         return VERDICT_CODE[self.outcome]
+
+    @property
+    def check_limit(self) -> int:
+        """The time limit [s] to check this certificate with, also on a slower machine; `robimp check` allows 60."""
+        return advised_limit(self.check_seconds)
 
     @property
     def robust(self) -> bool:
@@ -130,7 +136,7 @@ def synthesize(
     claims = proofs.get(coefficients) or certify(setting, C)
     bound = None if limit is None or not limit.limited else Fraction(f"{limit.omega_B:.6g}")
     progress("re-checking the certificate independently")
-    claims, certificate, checked = recheck(
+    claims, certificate, checked, checking = recheck(
         setting, claims, lambda c: document(setting, coefficients, c, bound=bound, producer=_producer())
     )
     progress("simulating the physics")
@@ -158,7 +164,9 @@ def synthesize(
     sampled = sampled_comparison(spec, (numbers[0], numbers[1]))
     demand_none()
     seconds = time.monotonic() - began
-    return Result(spec, coefficients, claims, limit, certificate, checked, trials, agreement, sampled, seconds)
+    return Result(
+        spec, coefficients, claims, limit, certificate, checked, checking, trials, agreement, sampled, seconds
+    )
 
 
 def setting_of(spec: Spec) -> Setting:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from math import ceil
+from time import monotonic
 from typing import Any
 
 from .certificate.claim import Claim
@@ -20,6 +22,8 @@ from .problem.setting import Setting
 UNSURE = "proven, but the independent checker cannot confirm it: "
 ROUNDS = 12
 SECONDS, PATIENCE = 60.0, 600.0  # for a check [s]; in the end: whoever waited for the search will wait for its proof
+SLOWER = 3  # than this machine, now: how slow another may be on which the certificate is checked
+DOUBTS = ("time limit", "neither proven nor refuted", "too large", "depends on the hold")  # anything else contradicts
 VERDICT_CODE = {
     Outcome.PROVEN: ExitCode.PROVEN,
     Outcome.REFUTED: ExitCode.REFUTED,
@@ -30,29 +34,31 @@ Written = dict[str, Any]
 
 def recheck(
     setting: Setting, claims: tuple[Claim, ...], write: Callable[[tuple[Claim, ...]], Written]
-) -> tuple[tuple[Claim, ...], Written, Verdict]:
+) -> tuple[tuple[Claim, ...], Written, Verdict, float]:
     """Compare prover and checker claim by claim; where the checker is unsure of a margin, concede half of it.
 
-    Returns: the claims both confirm, their certificate, the checker's verdict. Raises: RobimpError when the two
-    contradict each other, UndecidedError when the checker cannot decide what is required.
+    Returns: the claims both confirm, their certificate, the checker's verdict and how long it took [s]. Raises:
+    RobimpError when the two contradict each other, UndecidedError when the checker cannot decide what is required.
     """
     said, seconds = "", SECONDS
-    for _ in range(ROUNDS):
-        certificate = write(claims)
+    for attempt in range(ROUNDS):
+        certificate, began = write(claims), monotonic()
         second = check_bytes(encoded(certificate), time_limit=seconds)
+        took = monotonic() - began
         outcome = verdict(claims)
         short_of = {(c.id, c.form) for c in claims if c.required and c.status is not Outcome.PROVEN}
         unsure = {(id, form): text for id, form, status, text in second.claims if status == "not verified"}
         more = {kind: text for kind, text in unsure.items() if kind not in short_of}
         if second.exit_code == VERDICT_CODE[outcome] and unsure.keys() == short_of:
-            return claims, certificate, second
+            return claims, certificate, second, took
         said = next(iter(more.values()), second.message)
-        if second.exit_code != ExitCode.UNDECIDED:
+        unsure_only = all(any(doubt in text for doubt in DOUBTS) for text in more.values())
+        if second.exit_code != ExitCode.UNDECIDED and not (second.exit_code == VERDICT_CODE[outcome] and unsure_only):
             raise RobimpError(f"prover says {outcome.value}, the independent checker says: {said}")
         if not more:
             break
         doubted = next(c for c in claims if (c.id, c.form) in more)  # one at a time: out of time, all that follow are
-        weaker = conceded(setting, doubted)
+        weaker = conceded(setting, doubted) if attempt != ROUNDS - 2 else None  # the last attempt is a patient one
         if weaker is not None:
             claims = tuple(weaker if c is doubted else c for c in claims)
         elif seconds == PATIENCE:
@@ -60,6 +66,11 @@ def recheck(
         else:
             seconds = PATIENCE
     raise UndecidedError(UNSURE + said)
+
+
+def advised_limit(seconds: float) -> int:
+    """The time limit [s] for a check that took so long here: enough on a slower machine, in whole minutes."""
+    return 60 * max(1, ceil(SLOWER * seconds / 60))
 
 
 def conceded(setting: Setting, claim: Claim) -> Claim | None:

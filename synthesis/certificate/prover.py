@@ -135,24 +135,28 @@ class Prover:
             found = [np.inf if witness is None or witness.omega is None else float(witness.omega)]
         return tuple(found)
 
-    def focused(self, constraint: Constraint) -> Prover:
-        """The same prover with a grid refined twice around the frequencies where the constraint is tightest."""
-        prover = self
+    def focused(self, constraint: Constraint) -> tuple[Prover, float, float]:
+        """A prover with a grid refined twice where the constraint is tightest; the hardest level that holds, and its ω.
+
+        Level and ω are floats: they say what to try. Only new frequencies are evaluated.
+        """
+        setting, omega, tight = self.subject.setting, self.evaluator.omega, self._tightness(constraint)
         for _ in range(2):
-            omega, tight = prover.evaluator.omega, prover._tightness(constraint)
             padded = np.concatenate([[np.inf], tight, [np.inf]])
             lowest = np.flatnonzero((tight <= padded[:-2]) & (tight <= padded[2:]))
             lowest = lowest[np.argsort(tight[lowest])[:BASINS]]
             ends = [(omega[max(k - 1, 0)], omega[min(k + 1, omega.size - 1)]) for k in lowest.tolist()]
-            refined = np.unique(np.concatenate([omega, *(np.linspace(low, high, 64) for low, high in ends)]))
-            prover = replace(prover, evaluator=Evaluator(self.subject.setting, refined))
-        return prover
-
-    def best_level(self, constraint: Constraint) -> tuple[float, float]:
-        """The hardest level that holds on the grid, in floats, and the frequency that decides it."""
-        tight = self._tightness(constraint)
+            between = np.concatenate([np.linspace(low, high, 64)[1:-1] for low, high in ends])
+            omega, first = np.unique(np.concatenate([omega, between]), return_index=True)
+            refined = replace(self, evaluator=Evaluator(setting, between))
+            tight = np.concatenate([tight, refined._tightness(constraint)])[first]
         k = int(np.argmin(tight))
-        return constraint.role.harder * float(tight[k]), float(self.evaluator.omega[k])
+        prover = replace(self, evaluator=Evaluator(setting, omega))
+        return prover, constraint.role.harder * float(tight[k]), float(omega[k])
+
+    def near(self, omega: float) -> Prover:
+        """A prover that looks for witnesses from one frequency."""
+        return replace(self, evaluator=Evaluator(self.subject.setting, np.array([omega])))
 
     def _tightness(self, constraint: Constraint) -> np.ndarray:
         """The hardest level that holds at each ω, over all inequalities, negative for a CEILING: the least decides."""

@@ -19,14 +19,14 @@ COARSE = (5e-3, 2e-2, 0.1)  # where only cells decide, each further digit costs 
 
 def prove_hardest(prover: Prover, constraint: Constraint) -> Claim:
     """Prove at the hardest level found; if the required level cannot be proven, refute it with a witness."""
-    prover = replace(prover, evaluator=prover.evaluator.with_ends(constraint)).focused(constraint)
-    (best, _), required, harder = prover.best_level(constraint), constraint.level, constraint.role.harder
+    prover, best, omega = replace(prover, evaluator=prover.evaluator.with_ends(constraint)).focused(constraint)
+    required, harder = constraint.level, constraint.role.harder
     levels = _beside(best, -harder, constraint, COARSE if prover.needs_cells(constraint) else TIGHTNESS)
     if required is not None:
         levels = [v for v in levels if harder * (v - required) > 0] + [required]
     for proven in levels:
         if _meaningful(constraint, proven) and prover.decide(constraint, proven) is Outcome.PROVEN:
-            return claim_of(constraint, Outcome.PROVEN, proven, _twin(prover, constraint, best, proven))
+            return claim_of(constraint, Outcome.PROVEN, proven, _twin(prover.near(omega), constraint, best, proven))
     level = required if required is not None else _easiest(constraint)
     found = prover.witness(constraint, level)
     if found is None:

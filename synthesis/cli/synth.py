@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -93,7 +94,7 @@ def _synth_orders(
         discard(*(folder / name for name in ("report.html", "orders.json", "orders.svg")))
         results[f"{place.name}/certificate.json"] = result
         write_atomic(place / "certificate.json", result.certificate_bytes())
-        rows.append(OfOrder(order, float(result.omega_B), time.monotonic() - began))
+        rows.append(OfOrder(order, float(result.omega_B), time.monotonic() - began, check_limit=result.check_limit))
         codes.append(result.exit_code)
     limit = shared.bound.omega_B if shared.bound is not None and shared.bound.limited else None
     write_atomic(folder / "orders.json", dumped(listed(rows, limit)).encode())
@@ -107,6 +108,8 @@ def _synth_orders(
 
     show_orders(rows, limit, console())
     say(f"certificates: {folder}/order-*/certificate.json, figure: {folder / 'orders.svg'}")
+    for name, result in results.items():
+        _say_slow(folder / name, result)
     return codes
 
 
@@ -144,7 +147,20 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, s
 
     show(result, console())
     say(f"certificate: {folder / 'certificate.json'}, report: {folder / 'report.html'}")
+    _say_slow(folder / "certificate.json", result)
     return result.exit_code
+
+
+def _say_slow(file: Path, result: Result) -> None:
+    """Where a check may outlast the time it is allowed by default: better said here than by the user's CI."""
+    from ..recheck import SECONDS
+
+    if result.check_limit > SECONDS:
+        enough = "is not enough" if result.check_seconds > SECONDS else "may not be enough on a slower machine"
+        say(
+            f"note: checking it took {result.check_seconds:.0f} s, and the {SECONDS:.0f} s that robimp check allows "
+            f"{enough}; use: robimp check {quote(str(file))} --time-limit {result.check_limit}"
+        )
 
 
 def _report(results: dict[str, Result], folder: Path) -> None:

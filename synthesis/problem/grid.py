@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cache
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import fmpq_poly
@@ -63,6 +62,13 @@ class Evaluator:
 
     setting: Setting
     omega: NDArray[np.float64]
+    _values: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def at(self, r: Any) -> Any:
+        """A rational function on the grid, evaluated once."""
+        if id(r) not in self._values:
+            self._values[id(r)] = (r, r.at(self.omega))  # held, so that its id stays its own
+        return self._values[id(r)][1]
 
     def with_ends(self, constraint: Constraint) -> Evaluator:
         """The grid with the ends of a constraint's interval on it."""
@@ -71,25 +77,26 @@ class Evaluator:
 
     def radius(self, source: Source) -> NDArray[np.float64]:
         """W(ω) of the Δ an inequality speaks of."""
-        uncertainty = self.setting.uncertainty
-        if source is Source.LUMPED:
-            return uncertainty.radius(self.omega)
-        return uncertainty.disc_radius(self.omega)
+        if source not in self._values:
+            uncertainty = self.setting.uncertainty
+            of = uncertainty.radius if source is Source.LUMPED else uncertainty.disc_radius
+            self._values[source] = of(self.omega)
+        return self._values[source]  # type: ignore[no-any-return]
 
     def slack(self, inequality: Inequality, v: float, X: dict[Variable, RationalFunction]) -> NDArray[np.float64]:
         """Right minus left side, relative to the scale of both at each ω; positive where it holds. Returns (n,)."""
-        at = cache(lambda r: r.at(self.omega))
         with np.errstate(all="ignore"):
-            left, right = inequality.sides(v, self.radius(inequality.source), at(X[inequality.variable]), at)
+            W, variable = self.radius(inequality.source), self.at(X[inequality.variable])
+            left, right = inequality.sides(v, W, variable, self.at)
             left = left + 0 * self.omega
             scale = 1.0 if inequality.role is Role.FLOOR else np.abs(right) + np.abs(left)
             return np.asarray((right - left) / scale)
 
     def levels(self, inequality: Inequality, X: dict[Variable, RationalFunction]) -> NDArray[np.float64]:
         """The hardest level v that holds at each ω, negative where none does. Returns (n,)."""
-        at = cache(lambda r: r.at(self.omega))
         with np.errstate(all="ignore"):
-            numerator, denominator = inequality.level(self.radius(inequality.source), at(X[inequality.variable]), at)
+            W, variable = self.radius(inequality.source), self.at(X[inequality.variable])
+            numerator, denominator = inequality.level(W, variable, self.at)
             return np.asarray(numerator / denominator)
 
     def first_failure(self, inequality: Inequality, v: float, X: dict[Variable, RationalFunction]) -> float | None:

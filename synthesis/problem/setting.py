@@ -103,15 +103,20 @@ class Setting:
         """The compensator C a controller's coefficients (of Q or of C_imp) stand for."""
         return self.build(polynomial(coefficients.numerator), polynomial(coefficients.denominator))
 
+    def variable(self, which: Variable, C: Compensator) -> Any:
+        """What a constraint is about, for one compensator."""
+        loop = self.loop
+        of = {
+            Variable.Q: loop.Q_ideal,
+            Variable.Q_TILDE: loop.Q_tilde,
+            Variable.L: loop.L,
+            Variable.COMMAND: loop.noise_gain,
+        }
+        return of[which](C)
+
     def variables(self, C: Compensator) -> dict[Variable, Any]:
         """What constraints are about, for one compensator."""
-        loop = self.loop
-        return {
-            Variable.Q: loop.Q_ideal(C),
-            Variable.Q_TILDE: loop.Q_tilde(C),
-            Variable.L: loop.L(C),
-            Variable.COMMAND: loop.noise_gain(C),
-        }
+        return {which: self.variable(which, C) for which in Variable}
 
 
 def rational(coefficients: Polynomials) -> RationalFunction:

@@ -15,12 +15,13 @@ WIDTH = 50  # characters of the longest bar
 
 @dataclass(frozen=True)
 class OfOrder:
-    """What came of one order: proven ω_B [rad/s], or why there is none."""
+    """What came of one order: proven ω_B [rad/s], or why there is none; the time limit to check it with [s]."""
 
     order: int
     omega_B: float | None
     seconds: float
     reason: str = ""
+    check_limit: int | None = None
 
 
 def listed(rows: Sequence[OfOrder], bound: float | None) -> dict[str, Any]:

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from flint import fmpq, fmpq_poly
 
+from robimp.models.rational import RationalFunction
 from robimp.models.sampling import Hold
 from robimp.models.uncertainty import Table
 from robimp.synthesis.certificate.enclosure.cells import Cells, Part, axis
 from robimp.synthesis.certificate.enclosure.form import Form
+from robimp.synthesis.certificate.enclosure.search import Halving, minimum
 from robimp.synthesis.certificate.enclosure.wave import Wave
 
 RNG = np.random.default_rng(7)
@@ -122,6 +124,56 @@ def test_waves_hold_rational_functions_and_the_hold(part: int, share: float) -> 
         low, high = value_of(abs(wave.polynomial(p) / wave.polynomial(q)), cells, at)
     assert (np.abs(num / den) >= low * (1 - 1e-9)).all()
     assert (np.abs(num / den) <= high * (1 + 1e-9)).all()
+
+
+@pytest.mark.parametrize("part", [0, 1, 2])
+@pytest.mark.parametrize("share", [-0.9, 0.5])
+def test_numbers_meet_waves_of_every_order(part: int, share: float) -> None:
+    """A number stays a number: also one that comes as a polynomial or a rational function, and with 1/s beside it."""
+    cells = axis(0.3, 3000.0, 0, 60, (Fraction(0), None))[part]
+    at = np.full(cells.size, share)
+    s = 1j * omega_of(cells, at)
+    p, third = fmpq_poly([3, 0, 2, 5]), fmpq(1, 3)
+    num = 3 + 2 * s**2 + 5 * s**3
+    with np.errstate(all="ignore"):
+        for wave, value in (
+            (cells.s.polynomial(p), num),
+            (1 / cells.s, 1 / s),
+            (cells.s.polynomial(p) / cells.s, num / s),
+        ):
+            for number in (third, fmpq_poly([third]), RationalFunction.lift(third)):
+                holds_at(wave + number, cells, at, value + 1 / 3)
+                holds_at(wave * number, cells, at, value / 3)
+                holds_at(wave - number, cells, at, value - 1 / 3)
+        assert (wave * fmpq_poly([0])).p == 0 == (wave * 0).q
+        holds_at(cells.s.polynomial([0, 0, 5, 0]), cells, at, 5 * s**2)
+        with pytest.raises(AssertionError):
+            holds_at(wave * third, cells, at, value / 2)
+
+
+@pytest.mark.parametrize("gap", [0.1, 1e-3])
+def test_a_search_encloses_the_least_value_from_both_sides(gap: float) -> None:
+    """`z² + 0.1 − a·z + b²·z` on z in [0, 5], a in [1, 2], b in [−1, 1]: −0.9 at a = 2, b = 0, z = 1."""
+    start = Cells.whole(Part.MIDDLE, np.array([[0.0], [5.0]]), 2)
+    seen: list[int] = []
+
+    def evaluate(cells: Cells) -> list[Form]:
+        seen.append(cells.size)
+        z, a, b = cells.frequency(), cells.parameter(0, fmpq(1), fmpq(2)), cells.parameter(1, fmpq(-1), fmpq(1))
+        return [z * z + Fraction(1, 10) - a * z + b * b * z, z + 1]
+
+    halving = Halving(np.array([True, True]), np.array([3.0, 0.0]))
+    found = minimum(evaluate, [start], gap=gap, halving=halving)
+    assert found.low <= -0.9 <= found.high and found.high - found.low <= 1.01 * gap
+    assert found.at is not None and found.at.form == 0 and abs(found.at.omega - 1) < 2 * gap**0.5
+    for floor, proven in ((-0.91, True), (-0.89, False)):
+        seen.clear()
+        decided = minimum(evaluate, [start], floor=floor, halving=halving)
+        assert (decided.low > floor, decided.high < floor) == (proven, not proven)
+    seen.clear()
+    assert minimum(evaluate, [start], floor=-20.0, halving=halving).low > -20 and len(seen) == 1, (
+        "no more than it takes"
+    )
 
 
 def test_the_axis_is_covered_without_a_gap() -> None:

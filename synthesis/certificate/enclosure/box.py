@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LARGEST_SPREAD = 1000.0
-REFINEMENTS, BASINS = 5, 8  # of the grid around its lowest minima
+REFINEMENTS, BASINS = 3, 8  # of the grid around its lowest minima
 PROOFS = 14  # of a box, most of them short
 BELOW = 6e-3  # how far below the spread that floats find a proof is tried first
 CLOSE = 1 + 9e-3  # a sandwich of this ratio is close enough

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
+from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -128,7 +129,7 @@ class Cells:
         """The form of z itself, of order 0."""
         return self.moving(0, *self.z)
 
-    @property
+    @cached_property
     def s(self) -> Wave:
         """`s = jω`."""
         z = self.frequency()

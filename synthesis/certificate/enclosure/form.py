@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -44,10 +45,20 @@ class Form:
 
     __array_ufunc__ = None
 
+    @cached_property
+    def reach(self) -> NDArray[np.float64]:
+        """`Σ |cᵢ|`, (n,)."""
+        return np.asarray(np.add.reduce(np.abs(self.c[1:]), axis=0))
+
+    @cached_property
+    def size(self) -> NDArray[np.float64]:
+        """`|c₀| + Σ |cᵢ|`, (n,)."""
+        return np.asarray(np.abs(self.c[0]) + self.reach)
+
     @property
     def spread(self) -> NDArray[np.float64]:
         """`Σ |cᵢ| + ρ`: how far from c₀ the quantity can be, without z^order. (n,)."""
-        return np.asarray((np.abs(self.c[1:]).sum(axis=0) + self.rho) * SUMS)
+        return np.asarray((self.reach + self.rho) * SUMS)
 
     @property
     def lower(self) -> NDArray[np.float64]:
@@ -62,6 +73,10 @@ class Form:
     def _like(self, c: NDArray[np.float64], rho: NDArray[np.float64], order: int | None = None) -> Form:
         return Form(c, rho * SUMS + TINY, self.order if order is None else order, self.z)
 
+    def __getitem__(self, which: Any) -> Form:
+        """On some of the cells."""
+        return Form(self.c[:, which], self.rho[which], self.order, None if self.z is None else self.z[which])
+
     def constant(self, value: Number) -> Form:
         """A number on the same cells."""
         double, error = nearest(value)
@@ -71,6 +86,8 @@ class Form:
 
     def shifted(self, order: int) -> Form:
         """The same quantity with a lower order: z^k is multiplied into the form."""
+        if order == self.order:
+            return self
         form = self
         for _ in range(self.order - order):
             assert self.z is not None
@@ -79,13 +96,21 @@ class Form:
 
     def __add__(self, other: Any) -> Form:
         if not isinstance(other, Form):
-            return (
-                NotImplemented if not isinstance(other, Number) else self if other == 0 else self + self.constant(other)
-            )
+            return self._plus(other) if isinstance(other, Number) else NotImplemented
         order = min(self.order, other.order)
         a, b = self.shifted(order), other.shifted(order)
-        sizes = np.abs(a.c[0]) + a.spread + np.abs(b.c[0]) + b.spread
-        return self._like(a.c + b.c, a.rho + b.rho + ROUNDING * sizes, order)
+        rho = a.rho + b.rho
+        return self._like(a.c + b.c, rho + ROUNDING * (a.size + b.size + rho), order)
+
+    def _plus(self, number: Number) -> Form:
+        if number == 0:
+            return self
+        if self.order < 0:
+            return self + self.constant(number)
+        form, (double, error) = self.shifted(0), nearest(number)
+        c = form.c.copy()
+        c[0] += double
+        return form._like(c, form.rho + error + ROUNDING * (form.size + form.rho + abs(double)))
 
     def __mul__(self, other: Any) -> Form:
         if isinstance(other, Form):
@@ -93,8 +118,7 @@ class Form:
         if not isinstance(other, Number):
             return NotImplemented
         k, error = nearest(other)
-        size = np.abs(self.c[0]) + self.spread
-        return self._like(k * self.c, abs(k) * self.rho + (error + ROUNDING * abs(k)) * size)
+        return self._like(k * self.c, abs(k) * self.rho + (error + ROUNDING * abs(k)) * (self.size + self.rho))
 
     def __neg__(self) -> Form:
         return Form(-self.c, self.rho, self.order, self.z)
@@ -148,11 +172,11 @@ class Form:
 
 def _product(a: Form, b: Form) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Coefficients and ρ of a product; tᵢ² lies in [0, 1], which halves its share."""
-    a0, b0, a_t, b_t = a.c[0], b.c[0], a.c[1:], b.c[1:]
-    c = a0 * b.c + b0 * a.c
-    squares = a_t * b_t
-    c[0] = a0 * b0 + squares.sum(axis=0) / 2
-    A, B = np.abs(a_t).sum(axis=0), np.abs(b_t).sum(axis=0)
-    a_size, b_size = np.abs(a0) + A, np.abs(b0) + B
-    rho = A * B - np.abs(squares).sum(axis=0) / 2 + a_size * b.rho + (b_size + b.rho) * a.rho
-    return c, rho + ROUNDING * a_size * b_size
+    a0, b0 = a.c[0], b.c[0]
+    c = a0 * b.c
+    c += b0 * a.c
+    squares = a.c[1:] * b.c[1:]
+    c[0] = a0 * b0 + np.add.reduce(squares, axis=0) / 2
+    rho = a.reach * b.reach - np.add.reduce(np.abs(squares), axis=0) / 2
+    rho += a.size * b.rho + (b.size + b.rho) * a.rho
+    return c, rho + ROUNDING * a.size * b.size

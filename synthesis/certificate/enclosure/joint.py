@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -74,6 +74,13 @@ class Family:
         """C with its own coefficients."""
         return self.setting.build(self.numerator, self.denominator)
 
+    @cached_property
+    def by_load(self) -> tuple[fmpq_poly, fmpq_poly]:
+        """f and E of the characteristic polynomial in free motion, `f + E·(load − its middle)`."""
+        loop, load = self.setting.loop, self.load or self.setting.loop.nominal
+        f = loop.free(load)(self.compensator)
+        return f, loop.free(replace(load, stiffness=load.stiffness + 1))(self.compensator) - f
+
     def _scaled(self, interval: tuple[fmpq, fmpq, fmpq]) -> Range:
         low, high, middle = interval
         v = exact(self.spread)
@@ -108,6 +115,8 @@ class JointOnCells:
 
     family: Family
     cells: Cells
+    _variables: dict[Variable, Wave] = field(default_factory=dict, init=False, repr=False)
+    _values: dict[int, tuple[Any, Any]] = field(default_factory=dict, init=False, repr=False)
 
     def _number(self, name: str, otherwise: Any) -> Any:
         parameters = self.family.parameters
@@ -150,18 +159,25 @@ class JointOnCells:
             parts.append(self.s.polynomial([self._number(f"{part}.{k}", c) for k, c in enumerate(p.coeffs())]))
         return family.setting.build(*parts)
 
-    @cached_property
-    def variables(self) -> dict[Variable, Wave]:
-        """Q, Q̃, L and the noise gain on the cells."""
-        return self.setting.variables(self.compensator)
+    def variable(self, which: Variable) -> Wave:
+        """Q, Q̃, L or the noise gain on the cells."""
+        if which not in self._variables:
+            self._variables[which] = self.setting.variable(which, self.compensator)
+        return self._variables[which]
+
+    def at(self, value: Any) -> Any:
+        """A number, a polynomial or a rational function as a wave; an exact one is evaluated once."""
+        if isinstance(value, Wave):
+            return value
+        if id(value) not in self._values:
+            self._values[id(value)] = (value, self.s.real_number(value))  # held, so that its id stays its own
+        return self._values[id(value)][1]
 
     def free(self) -> Wave:
         """Characteristic function in free motion, the load a parameter."""
         load = self.family.load or self.family.setting.loop.nominal
-        if self.family.only_loads:  # f(load) = f + E·(load − its middle), f and E exact polynomials
-            loop, C = self.family.setting.loop, self.family.compensator
-            f = loop.free(load)(C)
-            E = loop.free(replace(load, stiffness=load.stiffness + 1))(C) - f
+        if self.family.only_loads:
+            f, E = self.family.by_load
             moved = {k: self._number(f"load.{k}", getattr(load, k)) - getattr(load, k) for k in LOAD}
             change: Wave = DynamicStiffness(**moved, s=self.s).polynomial
             return self.s.polynomial(f) + self.s.polynomial(E) * change
@@ -174,9 +190,9 @@ class JointOnCells:
 
     def sides(self, inequality: Inequality, v: Any) -> Iterator[tuple[Form, Form]]:
         """Left and right side of an inequality, for each member of the uncertainty that decides it."""
-        X = self.variables[inequality.variable]
+        X = self.variable(inequality.variable)
         for _, W in self.members(inequality):
-            left, right = inequality.sides(v, W, X, self.s.real_number)
+            left, right = inequality.sides(v, W, X, self.at)
             zero = self.s.x.constant(0)
             yield left + zero, right + zero
 
@@ -185,7 +201,7 @@ class JointOnCells:
 
         FLOOR: v. CEILING: −v. RADIUS: −1/v, which an exact model (W = 0) leaves finite; HOPELESS where none holds.
         """
-        X, at, zero = self.variables[inequality.variable], self.s.real_number, self.s.x.constant(0)
+        X, at, zero = self.variable(inequality.variable), self.at, self.s.x.constant(0)
         for _, W in self.members(inequality):
             numerator, denominator = (side + zero for side in inequality.level(W, X, at))
             if inequality.role is Role.FLOOR:

@@ -165,7 +165,7 @@ class CellProver:
         loop, C, s, uncertainty = joint.setting.loop, joint.compensator, joint.s, self.family.setting.uncertainty
         unit = s.real_number(1) if at.part is Part.LOW else s * s
         reference = loop.free(loop.nominal)(C) if constraint.id == "friction" else loop.locked()(C) * unit
-        own = (1 - joint.variables[Variable.Q_TILDE]) * loop.locked()(C) / reference
+        own = (1 - joint.variable(Variable.Q_TILDE)) * loop.locked()(C) / reference
         for load in uncertainty.corners():
             A = (loop.free(load)(C) / reference).real
             yield A

@@ -85,51 +85,87 @@ def minimum(
     halving: which parameters may be halved, and where.
     """
     open_cells, low, best = list(axis), np.inf, Minimum(-np.inf, np.inf, None)
+    enough = np.inf if floor is None else float(np.nextafter(floor, np.inf))
     for rounds in range(ROUNDS):
-        waiting = []
+        views = []
         for cells in open_cells:
-            bound, point, slopes = _bounds(evaluate, cells)
-            if point is not None and point.value < best.high:
-                best = Minimum(-np.inf, point.value, point)
-            waiting.append((cells, bound, slopes))
+            bound, slopes = _lowest(evaluate(cells), cells)
+            doubtful = ~(bound >= enough)
+            low = min(low, float(bound[~doubtful].min(initial=np.inf)))
+            if doubtful.any():
+                view = _view(evaluate, cells[doubtful], bound[doubtful], slopes[:, doubtful], halving)
+                views.append(view)
+                if view.point is not None and view.point.value < best.high:
+                    best = Minimum(-np.inf, view.point.value, view.point)
         if best.high < (hopeless if floor is None else floor):
             return best
-        near = best.high - gap * (abs(best.high) + scale) if np.isfinite(best.high) else np.inf
-        enough = np.nextafter(near if floor is None else floor, np.inf)
+        if floor is None and np.isfinite(best.high):
+            enough = float(np.nextafter(best.high - gap * (abs(best.high) + scale), np.inf))
         open_cells = []
-        for cells, bound, slopes in waiting:
-            done = bound >= enough
-            low = min(low, float(bound[done].min(initial=np.inf)))
+        for view in views:
+            done = view.bound >= enough
+            low = min(low, float(view.bound[done].min(initial=np.inf)))
             if not done.all():
-                known = np.where(bound > -HUGE, slopes, 0.0)
-                open_cells.append(_halved(evaluate, cells[~done], bound[~done], known[:, ~done], rounds, halving))
+                open_cells.append(_halved(view, ~done, rounds, halving))
         if not open_cells:
             return Minimum(low, best.high, best.at)
         if sum(cells.size for cells in open_cells) > MOST_CELLS:
             break
-    undone = min(float(bound.min()) for _, bound, _ in waiting)
+    undone = min(float(view.bound.min()) for view in views)
     return Minimum(min(low, undone) if floor is None else -np.inf, best.high, best.at)
 
 
-def _bounds(evaluate: Evaluate, cells: Cells) -> tuple[NDArray[np.float64], Point | None, NDArray[np.float64]]:
-    """Lower bound on every cell, the best point seen, and the slopes (1+m, n) of the form that is lowest there."""
-    lowest, slopes = _lowest(evaluate, cells)
-    tried = np.argsort(lowest)[:TRIED]
+@dataclass(frozen=True)
+class View:
+    """What is known of n doubtful cells: lower bounds, (n,), the best point seen, and what each halving would gain.
+
+    gain: (1+m, n), by how much the bound rises where the frequency, or a parameter, is fixed at its worst end.
+    """
+
+    cells: Cells
+    bound: NDArray[np.float64]
+    point: Point | None
+    gain: NDArray[np.float64] | None
+
+
+def _view(
+    evaluate: Evaluate,
+    cells: Cells,
+    bound: NDArray[np.float64],
+    slopes: NDArray[np.float64],
+    halving: Halving | None,
+) -> View:
+    """Points and fixed ends of cells, evaluated together: a call costs little more for many cells than for few."""
+    tried = np.argsort(bound)[:TRIED]
     points = cells[tried].points(-np.sign(slopes[1:, tried]))
+    if halving is None or not halving.which.any():
+        return View(cells, bound, _best(evaluate(points), points), None)
+    known, indices = np.where(bound > -HUGE, slopes, 0.0), [-1, *np.flatnonzero(halving.which).tolist()]
+    ends = Cells.joined([cells.at_end(index, known[1 + index] > 0) for index in indices])
+    forms = evaluate(Cells.joined([points, ends]))
+    point = _best([form[: tried.size] for form in forms], points)
+    fixed, _ = _lowest([form[tried.size :] for form in forms], ends)
+    gain = np.full((1 + halving.which.size, cells.size), -np.inf)
+    gain[[1 + index for index in indices]] = np.maximum(fixed, -HUGE).reshape(-1, cells.size) - np.maximum(bound, -HUGE)
+    return View(cells, bound, point, gain)
+
+
+def _best(forms: Sequence[Form], points: Cells) -> Point | None:
+    """The point of least upper bound."""
     best: Point | None = None
-    for index, form in enumerate(evaluate(points)):
+    for index, form in enumerate(forms):
         upper = -_scaled(form, -form.upper, points)
         upper = np.where(np.isfinite(form.rho), upper, np.inf)
         k = int(np.argmin(np.nan_to_num(upper, nan=np.inf)))
         if np.isfinite(upper[k]) and (best is None or upper[k] < best.value):
             best = Point(points, k, float(upper[k]), index)
-    return lowest, best, slopes
+    return best
 
 
-def _lowest(evaluate: Evaluate, cells: Cells) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _lowest(forms: Sequence[Form], cells: Cells) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Lower bound of all forms on every cell, (n,), and the slopes (1+m, n) of the form that is lowest there."""
     lowest, slopes = np.full(cells.size, np.inf), np.zeros((1 + cells.t.shape[1], cells.size))
-    for form in evaluate(cells):
+    for form in forms:
         lower = _scaled(form, form.lower, cells)
         smaller = lower < lowest
         lowest = np.where(smaller, lower, lowest)
@@ -147,22 +183,12 @@ def _scaled(form: Form, lower: NDArray[np.float64], cells: Cells) -> NDArray[np.
     return np.asarray(np.where(lower < 0, ends.min(axis=0), np.maximum(ends.min(axis=0), 0.0)))
 
 
-def _halved(
-    evaluate: Evaluate,
-    cells: Cells,
-    bound: NDArray[np.float64],
-    slopes: NDArray[np.float64],
-    rounds: int,
-    halving: Halving | None,
-) -> Cells:
-    """Each halved along what raises the bound by most, where that is fixed at its worst end; or by turns."""
-    if halving is None or not halving.which.any():
+def _halved(view: View, which: NDArray[np.bool_], rounds: int, halving: Halving | None) -> Cells:
+    """Some cells, each halved along what raises its bound by most, or by turns."""
+    cells, bound = view.cells[which], view.bound[which]
+    if halving is None or view.gain is None:
         return cells.split_frequency()
-    gain = np.full((1 + halving.which.size, cells.size), -np.inf)
-    for index in (-1, *np.flatnonzero(halving.which).tolist()):
-        fixed, _ = _lowest(evaluate, cells.at_end(index, slopes[1 + index] > 0))
-        gain[1 + index] = np.maximum(fixed, -HUGE) - np.maximum(bound, -HUGE)
-    lost = ~(bound > -HUGE)
+    gain, lost = view.gain[:, which], ~(bound > -HUGE)
     gain[0] = np.where(lost, -np.inf, gain[0])  # where nothing is known yet, a parameter is to blame, now and then ω
     turn = np.zeros(cells.size, dtype=int) if rounds % 3 == 2 else 1 + halving.widest(cells)
     useful = (gain.max(axis=0) > 0) & np.where(lost, rounds % 3 != 2, rounds % 6 != 5)

@@ -35,29 +35,34 @@ class Wave:
             return self.polynomial(value)
         if isinstance(value, Form):
             return Wave(value, 0, self.x)
-        return Wave(self.x.constant(value) if value != 0 else 0, 0, self.x) if isinstance(value, Number) else None
+        return Wave(self._real(value), 0, self.x) if isinstance(value, Number) else None
 
     def polynomial(self, poly: fmpq_poly | Sequence[Any]) -> Wave:
         """A polynomial of s: even and odd part by Horner in x. Coefficients ascending, numbers or forms."""
         ascending = poly.coeffs() if isinstance(poly, fmpq_poly) else list(poly)
         parts: list[Real] = []
         for start in (0, 1):
-            value: Real = 0
+            value: Any = 0
             for k in reversed(range(start, len(ascending), 2)):
-                c, sign = ascending[k], 1 if (k // 2) % 2 == 0 else -1
-                value = value * self.x if isinstance(value, Form) else 0
-                if isinstance(c, Form):
-                    value = c * sign + value
-                elif c != 0:
-                    value = self.x.constant(c * sign) + value
-            parts.append(value)
+                c = ascending[k] if (k // 2) % 2 == 0 else -ascending[k]
+                value = c if isinstance(value, Number) and value == 0 else value * self.x + c
+            parts.append(value if isinstance(value, Form) else self._real(value))
         return Wave(parts[0], parts[1], self.x)
 
+    def _real(self, number: Any) -> Real:
+        return self.x.constant(number) if number != 0 else 0
+
     def __add__(self, other: Any) -> Wave:
+        number = _number(other)
+        if number is not None:
+            return Wave(self.p + number if isinstance(self.p, Form) else self._real(number), self.q, self.x)
         o = self.real_number(other)
         return NotImplemented if o is None else Wave(self.p + o.p, self.q + o.q, self.x)
 
     def __mul__(self, other: Any) -> Wave:
+        number = _number(other)
+        if number is not None:
+            return self if number == 1 else Wave(_scaled(self.p, number), _scaled(self.q, number), self.x)
         o = self.real_number(other)
         if o is None:
             return NotImplemented
@@ -105,6 +110,19 @@ class Wave:
     def real(self) -> Form:
         """Real part."""
         return self.p if isinstance(self.p, Form) else self.x.constant(0)
+
+
+def _number(value: Any) -> Number | None:
+    """The number that a value is, also as a polynomial or a rational function."""
+    if isinstance(value, Number):
+        return value
+    if isinstance(value, RationalFunction) and value.den.degree() == 0:
+        return None if value.num.degree() > 0 else value.num[0] / value.den[0]
+    return value[0] if isinstance(value, fmpq_poly) and value.degree() <= 0 else None
+
+
+def _scaled(a: Real, number: Number) -> Real:
+    return a * number if isinstance(a, Form) and number != 0 else 0
 
 
 def _times(a: Real, b: Real) -> Real:

@@ -10,7 +10,7 @@ the NLP expression (CasADi), the proof (exact) and the curve in the report: each
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from typing import Any
@@ -158,16 +158,19 @@ class Inequality:
 
         FLOOR, RADIUS: the hardest one that holds, where the numerator is positive. CEILING: the least one.
         """
-        rest, right = self.sides(0.0, W, X, at)
-        if self.role is Role.FLOOR:
-            return right - rest, 1.0
         if self.role is Role.CEILING:
             return self.sides(1.0, W, X, at)
-        if any(term.gain is Gain.R for term in self.moduli):  # vW/(1−vW), which is 1 at vW = 1/2
-            whole, _ = self.sides(1.0, 0.5, X, at)
-            return right - rest, (whole - rest + right - rest) * W
-        whole, _ = self.sides(1.0, W, X, at)
-        return right - rest, whole - rest
+        if self.role is Role.FLOOR:
+            rest, right = self.sides(0.0, W, X, at)
+            return right - rest, 1.0
+        fixed, scaled = (tuple(t for t in self.moduli if (t.gain is Gain.ONE) is one) for one in (True, False))
+        moving = replace(self, moduli=scaled, right=Affine.of(0), modulus_right=False)
+        rest, right = replace(self, moduli=fixed).sides(0.0, W, X, at)
+        if any(term.gain is Gain.R for term in scaled):  # vW/(1−vW), which is 1 at vW = 1/2
+            whole, _ = moving.sides(1.0, 0.5, X, at)
+            return right - rest, (whole + right - rest) * W
+        whole, _ = moving.sides(1.0, W, X, at)
+        return right - rest, whole
 
 
 def needs_disc(inequality: Inequality) -> bool:
