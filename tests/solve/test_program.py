@@ -11,11 +11,15 @@ import numpy as np
 import pytest
 
 from robimp.models.closed_loop import Pencil
-from robimp.models.rational import descending
+from robimp.models.rational import ONE, RationalFunction, descending
 from robimp.synthesis.certificate.hurwitz import is_hurwitz
+from robimp.synthesis.problem.constraints import constraints
+from robimp.synthesis.problem.constraints.inequality import Role
+from robimp.synthesis.problem.grid import Evaluator
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.solve.nlp import Candidate, Program
-from robimp.synthesis.solve.places import ADDED, FIRST_BACK_OFF, Grids
+from robimp.synthesis.solve.places import ADDED, FIRST_BACK_OFF, Grids, Places, numbered
+from robimp.synthesis.solve.split import Split
 from robimp.synthesis.solve.structure import structure_of
 from robimp.synthesis.spec import parse_spec
 from robimp.synthesis.spec.model import Polynomials
@@ -218,6 +222,39 @@ def test_one_program_serves_every_grid() -> None:
         assert added == pytest.approx(other.violation(x, 20.0, wide), rel=1e-9)
         seen += one.violation(x, 20.0, narrow) < added - 1e-6
     assert seen >= 3, "the added points never matter"
+
+
+def test_a_constant_takes_no_place_among_the_parameters() -> None:
+    places = Places(3)
+    before = len(places.columns)
+    assert places.at(ONE) == 1.0 and places.at(RationalFunction.of([3], [2])) == 1.5 and len(places.columns) == before
+    varying = RationalFunction.of([1], [1, 2])
+    assert isinstance(places.at(varying), Split) and len(places.columns) == before + 2
+    assert numbered(lambda r: r)(varying) is varying  # type: ignore[arg-type, return-value]
+
+
+@pytest.mark.parametrize("controller", ["order 4", "order 5, filtered", "PI, filtered twice"])
+def test_the_slack_is_what_the_constraints_say(controller: str) -> None:
+    """Each row of the grid against NumPy's view of the same constraint; up to the rounding of the controller."""
+    setting, omega_0 = good(controller), 25.0
+    structure, omega = structure_of(setting.spec), FEW.omega
+    program, rng = small(setting, omega_0), np.random.default_rng(3)
+    asked = [(c, q) for c in constraints(setting) if c.required for q in c.inequalities]
+    evaluator, compared = Evaluator(setting, omega), 0
+    for x in (structure.start(rng) for _ in range(5)):
+        X = setting.variables(setting.compensator(structure.rounded(x, omega_0)))
+        values = np.array(program.slack(np.append(x, np.log(8.0 / omega_0)), program._placed(FEW)[0])).ravel()
+        for rows, (c, q) in zip(program.rows, asked, strict=True):
+            if c.on_band:
+                continue
+            level, W = float(c.level or 0), evaluator.radius(q.source)
+            left, right = q.sides(level, W, X[q.variable].at(omega), lambda r: r.at(omega))
+            size = np.abs(q.right.constant.at(omega)) + np.abs(q.right.slope.at(omega))
+            size = size.min() if q.role is Role.FLOOR else size
+            part = values[rows.start : rows.start + omega.size]
+            assert part == pytest.approx((right - left) / size, rel=1e-3, abs=1e-4)
+            compared += 1
+    assert compared >= 20
 
 
 def test_a_finer_grid_shows_where_a_candidate_falls_short() -> None:
