@@ -1,7 +1,8 @@
 """The cone programs of the bound: how well one basis meets the band's constraints up to a given ω_B.
 
-Each program sees few frequencies. Those of the grid where its solution falls short join it, until it falls short
-nowhere: what counts is what the solution attains on the whole grid, not the solver's word for it.
+Each program sees few frequencies. Those of the grid where its solution falls short join it, those it does not rest on
+leave it, until it falls short nowhere: what counts is what the solution attains on the whole grid, not the solver's
+word for it.
 """
 
 from __future__ import annotations
@@ -22,14 +23,15 @@ from .rows import Rows
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FIRST_POINTS = 16  # of the program, for each inequality
+FIRST_POINTS = 8  # of the program, for each inequality
 SHORT = 3e-4  # relative shortfall that makes a frequency join the program
 INACCURATE = 1e-3  # shortfall, or distance from the level promised, at which a solution is none
 LEVEL, COARSE_LEVEL = 1e-3, 0.02  # |log| of the level at which ω_B is found
 SLOPE = 2.0  # of log level over log ω, before two points tell
-SHARE = 0.05  # of the level's distance from 1: a shortfall that is small enough to take the next step
+SHARE = 0.2  # of the level's distance from 1: a shortfall that is small enough to take the next step
 STEPS = 30  # of the search for ω_B
-TIGHT = 1e-6  # the multiplier of a row that stays in the program when ω_B moves
+TIGHT = 1e-6  # the multiplier of a row that stays in the program
+MEANINGFUL = 0.1  # the level from which on multipliers say which rows the solution rests on
 BINDS = 1e-3  # of the largest multiplier of a constraint: where it binds
 BEYOND = 1.02  # the level that needs no more frequencies to say that ω_B is too high
 PROGRAMS = 60
@@ -47,7 +49,10 @@ class Binding:
 
 @dataclass(eq=False)
 class _Watched:
-    """An inequality on the grid. places: of its frequencies in the grid; chosen: of those, the program's."""
+    """An inequality on the grid. places: of its frequencies in the grid; chosen: of those, the program's.
+
+    left, stays: those that have left the program at this ω_B, and those of them that have come back.
+    """
 
     rows: Rows
     on_band: bool
@@ -55,6 +60,24 @@ class _Watched:
     spread: NDArray[np.int_]
     chosen: NDArray[np.int_] = field(default_factory=lambda: np.zeros(0, int))
     tight: NDArray[np.int_] = field(default_factory=lambda: np.zeros(0, int))  # where the last solution has multipliers
+    left: NDArray[np.int_] = field(default_factory=lambda: np.zeros(0, int))
+    stays: NDArray[np.int_] = field(default_factory=lambda: np.zeros(0, int))
+
+    def begin(self) -> None:
+        """For another ω_B: what was tight before."""
+        self.chosen, self.left, self.stays = np.union1d(self.spread, self.tight), np.zeros(0, int), np.zeros(0, int)
+
+    def release(self) -> None:
+        """What is not tight leaves: the solution is the same without, and the next found sooner. But only once."""
+        kept = np.union1d(self.tight, self.stays)
+        self.left = np.union1d(self.left, np.setdiff1d(self.chosen, kept))
+        self.chosen = kept
+
+    def join(self, short: NDArray[np.int_]) -> bool:
+        """Where the solution falls short; whether any of it is new to the program. What comes back stays."""
+        new = np.setdiff1d(short, self.chosen)
+        self.chosen, self.stays = np.union1d(self.chosen, new), np.union1d(self.stays, np.intersect1d(new, self.left))
+        return new.size > 0
 
     def until(self, end: int) -> NDArray[np.int_]:
         """The program's frequencies; on the band those below its end."""
@@ -121,7 +144,7 @@ class BandProgram:
         at_edge = self.setting.loop.actuator.H.at(here)[:, None] * self.basis.at(here) @ self.inverse
         edge = [Rows.of(v, c, q, here, k) for k, v, c, q in self.band]
         for watched in self.watched:
-            watched.chosen = np.union1d(watched.spread, watched.tight)
+            watched.begin()
         objective = np.append(np.zeros(self.values.shape[1]), 1.0)
         for _ in range(PROGRAMS):
             parts = [(w.rows, w.until(end)) for w in self.watched]
@@ -142,6 +165,8 @@ class BandProgram:
             ]
             for watched, (_, chosen), weights in zip(self.watched, parts, solution.weights, strict=False):
                 watched.tight = chosen[weights > TIGHT]
+                if solution.value > MEANINGFUL:
+                    watched.release()
             joined, short = self._joined(solution.value, end)
             far = abs(solution.value - 1)
             if solution.value > BEYOND or short < SHARE * far:  # more frequencies can only raise the level
@@ -157,9 +182,8 @@ class BandProgram:
             rows, X = watched.rows, self.X[watched.places]
             slack = rows.slack(X, level)[:end] if watched.on_band else rows.slack(X)
             dips = (slack <= np.append(slack[1:], np.inf)) & (slack <= np.insert(slack[:-1], 0, np.inf))
-            new = np.setdiff1d(np.flatnonzero(dips & (slack < -SHORT)), watched.chosen)
-            watched.chosen = np.union1d(watched.chosen, new)
-            joined, short = joined or new.size > 0, max(short, -float(slack.min(initial=np.inf)))
+            joined |= watched.join(np.flatnonzero(dips & (slack < -SHORT)))
+            short = max(short, -float(slack.min(initial=np.inf)))
         return joined, short
 
     def binding(self) -> tuple[Binding, ...]:

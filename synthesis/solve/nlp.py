@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -22,7 +23,7 @@ from ..problem.constraints.inequality import Constraint, Inequality, Role, Sourc
 from ..problem.grid import Evaluator
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
-from .places import ADDED, ADDED_BAND, Casadi, Grids, Places, filled
+from .places import ADDED, ADDED_BAND, Casadi, Grids, Places, filled, numbered
 from .split import Split
 from .structure import Coefficients, Structure, convolve
 
@@ -36,6 +37,8 @@ IPOPT: dict[str, Any] = {
     "print_time": 0,
     "ipopt.max_iter": 120,
     "ipopt.tol": 1e-6,
+    "ipopt.mumps_pivot_order": 0,  # minimum degree, found sooner than the default's: hundreds of rows, few unknowns
+    "ipopt.min_refinement_steps": 0,  # of the linear solution; more only where its residual asks for them
 }
 EXPLORING = {"ipopt.mu_strategy": "adaptive"}
 INTERRUPTED = ("NonIpopt_Exception_Thrown", "User_Requested_Stop")  # what CasADi makes of Ctrl-C
@@ -75,14 +78,16 @@ class Program:
         low, high = structure.bounds
         x, log_band = ca.MX.sym("x", low.size), ca.MX.sym("log_band")
         band = ca.MX.sym("band", first.band.size + ADDED_BAND)
-        self.num, self.den = structure.polynomials([x[i] for i in range(low.size)], exp=ca.exp)
+        self.x = ca.SX.sym("x", low.size)
+        self.num, self.den = structure.polynomials(ca.vertsplit(self.x), exp=ca.exp)
+        *C, routh = self._scalars()(x)
         self.rows: list[Rows] = []
-        expressions, routh, start = [], [], 0
+        expressions, start = [], 0
         at_grid = Split(ca.MX(ca.DM.zeros(self.places.count)), self.places.omega, Casadi())
         at_band = Split(ca.MX(ca.DM.zeros(band.shape[0])), band * ca.exp(log_band) * omega_0, Casadi())
         for vertex in setting.vertices():
-            X_grid = self._variables(vertex, at_grid, self.places.at)  # once: CasADi does not find what is common
-            X_band = self._variables(vertex, at_band, lambda r: r(at_band))
+            X_grid = self._variables(vertex, C, at_grid, self.places.at)  # once: CasADi does not find what is common
+            X_band = self._variables(vertex, C, at_band, numbered(lambda r: r(at_band)))
             for c in (c for c in constraints(vertex) if c.required):
                 for inequality in c.inequalities:
                     if c.on_band:
@@ -91,13 +96,12 @@ class Program:
                         expressions.append(self._on_grid(vertex, c, inequality, X_grid))
                     self.rows.append(Rows(c, start, expressions[-1].shape[0]))
                     start += self.rows[-1].count
-            routh += [*self._routh(vertex.loop.locked()), *self._routh(vertex.loop.free(vertex.loop.nominal))]
         self.bounds = {"lbx": np.append(low, np.log(1e-3)), "ubx": np.append(high, np.log(1e3))}
         self.nlp = {
             "x": ca.vertcat(x, log_band),
             "p": ca.vertcat(*self.places.columns, band),
             "f": -log_band,
-            "g": ca.vertcat(*expressions, *routh),
+            "g": ca.vertcat(*expressions, routh),
         }
         self.slack = ca.Function("slack", [self.nlp["x"], self.nlp["p"]], [self.nlp["g"]])
         self.solvers: dict[bool, Any] = {}
@@ -105,9 +109,21 @@ class Program:
     def solver(self, refining: bool) -> Any:
         """IPOPT, prepared to explore from afar or to stay near its start."""
         if refining not in self.solvers:
-            options = IPOPT | (REFINING if refining else EXPLORING)
+            options = IPOPT | (REFINING if refining else EXPLORING) | self._derivatives
             self.solvers[refining] = ca.nlpsol("synthesis", "ipopt", self.nlp, options)
         return self.solvers[refining]
+
+    @cached_property
+    def _derivatives(self) -> dict[str, Any]:
+        """Exact, for both solvers: the functions IPOPT asks CasADi for, by CasADi's names."""
+        nlp = ca.Function("nlp", self.nlp, ["x", "p"], ["f", "g"])
+        return {
+            "grad_f": nlp.factory("nlp_grad_f", ["x", "p"], ["f", "grad:f:x"]),
+            "jac_g": nlp.factory("nlp_jac_g", ["x", "p"], ["g", "jac:g:x"]),
+            "hess_lag": nlp.factory(
+                "nlp_hess_l", ["x", "p", "lam:f", "lam:g"], ["triu:hess:gamma:x:x"], {"gamma": ["f", "g"]}
+            ),
+        }
 
     def _placed(self, grids: Grids) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The program's parameters for a grid, and the least slack of each row: −∞ at places that are not used."""
@@ -174,24 +190,31 @@ class Program:
                 found[on_band].extend(float(w) for w in points[lower & (values < 0.0)])
         return found
 
+    def _scalars(self) -> Any:
+        """From x to C's numerator and denominator and Routh's columns: on scalars SX is quicker than MX."""
+        loops = [vertex.loop for vertex in self.setting.vertices()]
+        pencils = [pencil for loop in loops for pencil in (loop.locked(), loop.free(loop.nominal))]
+        routh = [entry for pencil in pencils for entry in self._routh(pencil)]
+        values = [ca.SX(ca.vertcat(*part)) for part in (*self._compensator(), routh)]
+        return ca.Function("scalars", [self.x], values)
+
     def _compensator(self) -> tuple[Coefficients, Coefficients]:
         """Numerator and denominator of C: Q/(1−Q) or C_imp."""
         if self.setting.spec.controller.type == "dob":
             return self.num, _add(self.den, [-c for c in self.num])
         return self.num, self.den
 
-    def _variables(self, setting: Setting, s: Any, at: Any) -> dict[Variable, Split]:
-        """Q, Q̃ and L at the frequencies s (Split, in rad/s)."""
+    def _variables(self, setting: Setting, C: Sequence[Any], s: Any, at: Any) -> dict[Variable, Split]:
+        """Q, Q̃, L and the command at the frequencies s (Split, in rad/s). C: numerator and denominator, as columns."""
         p = s * (1 / self.omega_0)
-        num, den = (_horner(c, p) for c in self._compensator())
-        loop = setting.loop
-        CF = num / den * at(loop.filters.force)
-        L = CF * at(loop.actuator.H)
+        num, den = (_horner(ca.vertsplit(c), p) for c in C)
+        CF = at(setting.loop.filters.force) * num  # and L, times den
+        L = at(setting.loop.actuator.H) * CF
         return {
-            Variable.Q: CF / (1.0 + CF),
-            Variable.Q_TILDE: L / (1.0 + L),
-            Variable.L: L,
-            Variable.COMMAND: CF / (1.0 + L),
+            Variable.Q: CF / (den + CF),
+            Variable.Q_TILDE: L / (den + L),
+            Variable.L: L / den,
+            Variable.COMMAND: CF / (den + L),
         }
 
     def _on_grid(
@@ -221,7 +244,7 @@ class Program:
             weight, table = setting.uncertainty.weight, setting.uncertainty.table
             W = 0.0 if weight is None else abs(at(weight))
             W = W if table is None else W + (1 + W) * to_float(max(table.bound))
-        left, right = inequality.sides(float(constraint.level or 0), W, X[inequality.variable], at)
+        left, right = inequality.sides(float(constraint.level or 0), W, X[inequality.variable], numbered(at))
         return 1.0 - left / right
 
     def _routh(self, pencil: Pencil) -> list[Any]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import casadi as ca
 import numpy as np
 
-from ...models.rational import RationalFunction
+from ...models.rational import RationalFunction, to_float
 from ..problem.grid import grid
 from ..problem.setting import Setting
 from .split import Split
@@ -83,8 +83,11 @@ class Places:
         self.fillings.append(filling)
         return self.columns[-1]
 
-    def at(self, r: RationalFunction) -> Split:
+    def at(self, r: RationalFunction) -> Split | float:
         """Columns for the values of a rational function."""
+        return numbered(self._columns_of)(r)
+
+    def _columns_of(self, r: RationalFunction) -> Split:
         if r not in self.known:
             parts = (self.real(lambda omega: r.at(omega).real), self.real(lambda omega: r.at(omega).imag))
             self.known[r] = Split(*parts, Casadi())
@@ -96,6 +99,16 @@ class Places:
         if key not in self.filled:
             self.filled[key] = np.concatenate([filling(omega) for filling in self.fillings])
         return self.filled[key]
+
+
+def numbered(at: Callable[[RationalFunction], Split]) -> Callable[[RationalFunction], Split | float]:
+    """The same values, but a constant is a number, with which CasADi has nothing to compute."""
+
+    def value(r: RationalFunction) -> Split | float:
+        constant = isinstance(r, RationalFunction) and max(r.num.degree(), r.den.degree()) <= 0
+        return to_float(r.num[0] / r.den[0]) if constant else at(r)
+
+    return value
 
 
 def filled(

@@ -147,6 +147,47 @@ def test_the_level_grows_with_the_band_and_is_attained() -> None:
     assert left[found.omega > omega_B].max() > 1, "beyond the band nothing is attenuated"
 
 
+def test_frequencies_that_leave_the_program_make_it_smaller_and_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    solve, rows = band_module.minimise, list[int]()
+
+    def counting(objective: Any, blocks: Any) -> Any:
+        rows.append(sum(block.b.size for block in blocks))
+        return solve(objective, blocks)
+
+    def found() -> tuple[float, float]:
+        rows.clear()
+        omega_B = program(setting()).largest_band(40.0)
+        assert isinstance(omega_B, float)
+        return omega_B, float(np.mean(rows))
+
+    monkeypatch.setattr(band_module, "minimise", counting)
+    some, mean = found()
+    monkeypatch.setattr(band_module._Watched, "release", lambda self: None)
+    everything, mean_of_everything = found()
+    assert some == pytest.approx(everything, rel=2 * band_module.LEVEL)
+    assert mean < 0.8 * mean_of_everything
+
+
+def test_a_frequency_leaves_the_program_only_once() -> None:
+    """Or the same ones could come and go for ever."""
+    none = np.zeros(0, int)
+    watched = band_module._Watched(SimpleNamespace(), False, none, spread=np.array([0, 5, 9]))
+    watched.begin()
+    watched.tight = np.array([5])
+    watched.release()
+    assert list(watched.chosen) == [5]
+    assert watched.join(np.array([5, 9])) and list(watched.chosen) == [5, 9]
+    watched.release()
+    assert list(watched.chosen) == [5, 9], "9 has come back, though it is not tight"
+    assert not watched.join(np.array([5])), "nothing new"
+    assert watched.join(np.array([3]))
+    watched.release()
+    assert list(watched.chosen) == [5, 9], "3 has not been here before"
+    watched.begin()
+    watched.release()
+    assert list(watched.chosen) == [5], "another ω_B begins anew"
+
+
 def test_the_basis_is_rational_stable_and_of_the_relative_degree() -> None:
     fast = np.array([1e7, 1e8])
     for roll_off in (0, 1, 2):

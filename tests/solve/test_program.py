@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,15 @@ import numpy as np
 import pytest
 
 from robimp.models.closed_loop import Pencil
-from robimp.models.rational import descending
+from robimp.models.rational import ONE, RationalFunction, descending
 from robimp.synthesis.certificate.hurwitz import is_hurwitz
+from robimp.synthesis.problem.constraints import constraints
+from robimp.synthesis.problem.constraints.inequality import Role
+from robimp.synthesis.problem.grid import Evaluator
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.solve.nlp import Candidate, Program
-from robimp.synthesis.solve.places import ADDED, FIRST_BACK_OFF, Grids
+from robimp.synthesis.solve.places import ADDED, FIRST_BACK_OFF, Grids, Places, numbered
+from robimp.synthesis.solve.split import Split
 from robimp.synthesis.solve.structure import structure_of
 from robimp.synthesis.spec import parse_spec
 from robimp.synthesis.spec.model import Polynomials
@@ -46,8 +51,7 @@ def small(setting: Setting, omega_0: float) -> Program:
 
 def routh(program: Program, pencil: Pencil) -> ca.Function:
     """The first column as a function of the parameters."""
-    x = ca.symvar(ca.vertcat(*program.num, *program.den))[0]
-    return ca.Function("routh", [x], [ca.vertcat(*program._routh(pencil))])
+    return ca.Function("routh", [program.x], [ca.vertcat(*program._routh(pencil))])
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
@@ -90,8 +94,11 @@ def slow_torque_loop(order: int) -> Setting:
     return Setting.of(parse_spec(f"{text[:begin]}  order: {order}\n\n{text[end:]}"))
 
 
-def stable(setting: Setting, coefficients: Polynomials) -> bool:
-    C, loop = setting.compensator(coefficients), setting.loop
+def stable(setting: Setting, x: np.ndarray, omega_0: float) -> bool:
+    """Of the parameters themselves: a point on the boundary may lose it to the rounding, which the proof sees."""
+    sides = ([Fraction(float(c)) for c in side] for side in structure_of(setting.spec).polynomials(x))
+    num, den = (tuple(c / Fraction(omega_0) ** (len(p) - 1 - k) for k, c in enumerate(p)) for p in sides)
+    C, loop = setting.compensator(Polynomials(numerator=num, denominator=den)), setting.loop
     return is_hurwitz(loop.locked()(C)) and is_hurwitz(loop.free(loop.nominal)(C))
 
 
@@ -101,7 +108,7 @@ def unstable_starts(setting: Setting, omega_0: float, count: int) -> list[np.nda
     low, high = structure.bounds
     drawn = (structure.start(rng) * rng.uniform(-3, 3, low.size) for _ in range(count))
     inside = [np.clip(x, low + 0.01, high - 0.01) for x in drawn]
-    return [x for x in inside if not stable(setting, structure.rounded(x, omega_0))]
+    return [x for x in inside if not stable(setting, x, omega_0)]
 
 
 def solved(setting: Setting, omega_0: float, starts: list[np.ndarray]) -> list[Candidate]:
@@ -127,8 +134,8 @@ def test_only_rouths_rows_keep_the_search_among_stable_loops(monkeypatch: pytest
         starts = program.nearest(unstable_starts(setting, omega_0, 400), 0.1 * omega_0, grids)[:15]
         unguarded = solved(setting, omega_0, starts)
     guarded += solved(setting, omega_0, starts)
-    assert len(guarded) >= 3 and all(stable(setting, c.coefficients) for c in guarded)
-    unstable = [c.omega_B for c in unguarded if not stable(setting, c.coefficients)]
+    assert len(guarded) >= 3 and all(stable(setting, c.x, omega_0) for c in guarded)
+    unstable = [c.omega_B for c in unguarded if not stable(setting, c.x, omega_0)]
     assert unstable, "without the rows nothing unstable is found either: they would be superfluous"
     assert max(unstable) > 3 * best, "and it looks far better than the truth"
 
@@ -215,6 +222,39 @@ def test_one_program_serves_every_grid() -> None:
         assert added == pytest.approx(other.violation(x, 20.0, wide), rel=1e-9)
         seen += one.violation(x, 20.0, narrow) < added - 1e-6
     assert seen >= 3, "the added points never matter"
+
+
+def test_a_constant_takes_no_place_among_the_parameters() -> None:
+    places = Places(3)
+    before = len(places.columns)
+    assert places.at(ONE) == 1.0 and places.at(RationalFunction.of([3], [2])) == 1.5 and len(places.columns) == before
+    varying = RationalFunction.of([1], [1, 2])
+    assert isinstance(places.at(varying), Split) and len(places.columns) == before + 2
+    assert numbered(lambda r: r)(varying) is varying  # type: ignore[arg-type, return-value]
+
+
+@pytest.mark.parametrize("controller", ["order 4", "order 5, filtered", "PI, filtered twice"])
+def test_the_slack_is_what_the_constraints_say(controller: str) -> None:
+    """Each row of the grid against NumPy's view of the same constraint; up to the rounding of the controller."""
+    setting, omega_0 = good(controller), 25.0
+    structure, omega = structure_of(setting.spec), FEW.omega
+    program, rng = small(setting, omega_0), np.random.default_rng(3)
+    asked = [(c, q) for c in constraints(setting) if c.required for q in c.inequalities]
+    evaluator, compared = Evaluator(setting, omega), 0
+    for x in (structure.start(rng) for _ in range(5)):
+        X = setting.variables(setting.compensator(structure.rounded(x, omega_0)))
+        values = np.array(program.slack(np.append(x, np.log(8.0 / omega_0)), program._placed(FEW)[0])).ravel()
+        for rows, (c, q) in zip(program.rows, asked, strict=True):
+            if c.on_band:
+                continue
+            level, W = float(c.level or 0), evaluator.radius(q.source)
+            left, right = q.sides(level, W, X[q.variable].at(omega), lambda r: r.at(omega))
+            size = np.abs(q.right.constant.at(omega)) + np.abs(q.right.slope.at(omega))
+            size = size.min() if q.role is Role.FLOOR else size
+            part = values[rows.start : rows.start + omega.size]
+            assert part == pytest.approx((right - left) / size, rel=1e-3, abs=1e-4)
+            compared += 1
+    assert compared >= 20
 
 
 def test_a_finer_grid_shows_where_a_candidate_falls_short() -> None:
