@@ -8,7 +8,7 @@ locked, is part of the program: the first columns of both Routh tables stay posi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,7 @@ from ..problem.constraints.inequality import Constraint, Inequality, Role, Sourc
 from ..problem.grid import Evaluator
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
+from .basis import RESOLVED
 from .places import ADDED, ADDED_BAND, Casadi, Grids, Places, filled, numbered
 from .split import Split
 from .structure import Coefficients, Structure, convolve
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LEAST_ROUTH = 1e-6  # first-column entries of Routh's table, in normalised frequency
+LIGHT = 0.3  # damping below which a pole is a resonance
 IPOPT: dict[str, Any] = {
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
@@ -171,8 +173,11 @@ class Program:
         return Candidate(self.structure.rounded(solution[:-1], self.omega_0), omega_B, solution[:-1])
 
     def violated(self, candidate: Candidate, finer: Grids) -> tuple[list[float], list[float]]:
-        """Where a candidate falls short on a finer grid: frequencies [rad/s], and fractions of ω_B."""
+        """Where a candidate falls short on a finer grid and around its resonances: ω [rad/s], and fractions of ω_B."""
         at = np.append(candidate.x, np.log(candidate.omega_B / self.omega_0))
+        peaks = self.resonances(candidate)
+        inside = peaks[peaks < candidate.omega_B] / candidate.omega_B
+        finer = replace(finer, omega=np.union1d(finer.omega, peaks), band=np.union1d(finer.band, inside))
         found: tuple[list[float], list[float]] = ([], [])
         chunks = self.places.count, self.nlp["p"].shape[0] - self._columns
         for on_band, points, places in ((False, finer.omega, chunks[0]), (True, finer.band, chunks[1])):
@@ -190,19 +195,33 @@ class Program:
                 found[on_band].extend(float(w) for w in points[lower & (values < 0.0)])
         return found
 
+    def resonances(self, candidate: Candidate) -> NDArray[np.float64]:
+        """Frequencies around every lightly damped pole of Q and Q̃ or of C, which a fixed grid steps over. [rad/s]."""
+        num, den = self.structure.polynomials(candidate.x)
+        closed = self._characteristic(self.setting.loop.locked(), num, den)
+        poles = np.concatenate([np.roots(np.array(p, dtype=float)) for p in (den, closed)])
+        poles = poles[(poles.imag > 0) & (-poles.real < LIGHT * np.abs(poles))]
+        widths = np.exp(np.outer(-poles.real / np.abs(poles), RESOLVED))
+        around: NDArray[np.float64] = np.abs(poles)[:, None] * widths * self.omega_0
+        return around.ravel()
+
     def _scalars(self) -> Any:
         """From x to C's numerator and denominator and Routh's columns: on scalars SX is quicker than MX."""
         loops = [vertex.loop for vertex in self.setting.vertices()]
         pencils = [pencil for loop in loops for pencil in (loop.locked(), loop.free(loop.nominal))]
         routh = [entry for pencil in pencils for entry in self._routh(pencil)]
-        values = [ca.SX(ca.vertcat(*part)) for part in (*self._compensator(), routh)]
+        values = [ca.SX(ca.vertcat(*part)) for part in (*self._compensator(self.num, self.den), routh)]
         return ca.Function("scalars", [self.x], values)
 
-    def _compensator(self) -> tuple[Coefficients, Coefficients]:
-        """Numerator and denominator of C: Q/(1−Q) or C_imp."""
-        if self.setting.spec.controller.type == "dob":
-            return self.num, _add(self.den, [-c for c in self.num])
-        return self.num, self.den
+    def _compensator(self, num: Coefficients, den: Coefficients) -> tuple[Coefficients, Coefficients]:
+        """Numerator and denominator of C, Q/(1−Q) or C_imp, from those of the structure."""
+        observer = self.setting.spec.controller.type == "dob"
+        return num, _add(den, [-c for c in num]) if observer else den
+
+    def _characteristic(self, pencil: Pencil, num: Coefficients, den: Coefficients) -> Coefficients:
+        """Of the closed loop, in p, from numerator and denominator of the structure."""
+        num, den = self._compensator(num, den)
+        return _add(convolve(self._scaled(pencil.on_den), den), convolve(self._scaled(pencil.on_num), num))
 
     def _variables(self, setting: Setting, C: Sequence[Any], s: Any, at: Any) -> dict[Variable, Split]:
         """Q, Q̃, L and the command at the frequencies s (Split, in rad/s). C: numerator and denominator, as columns."""
@@ -249,9 +268,7 @@ class Program:
 
     def _routh(self, pencil: Pencil) -> list[Any]:
         """First column of Routh's table of a characteristic polynomial, normalised to leading coefficient 1."""
-        num, den = self._compensator()
-        on_den, on_num = self._scaled(pencil.on_den), self._scaled(pencil.on_num)
-        p = _add(convolve(on_den, den), convolve(on_num, num))
+        p = self._characteristic(pencil, self.num, self.den)
         p = [c / p[0] for c in p]
         above, row = p[0::2], p[1::2]
         column = [row[0]] if row else []

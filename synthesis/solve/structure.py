@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 DIGITS = 6  # significant digits that coefficients are rounded to before anything is certified
-LEAST_DAMPING, MOST_DAMPING = 0.05, 5.0  # of pairs of poles; more damping is a pole far beyond the actuator
+LEAST_DAMPING, MOST_DAMPING = 0.02, 5.0  # of pairs of poles; more damping is a pole far beyond the actuator
 FAR, ZEROS = float(np.log(100.0)), 100.0  # poles within a factor 100 of ω₀; bounds on the coefficients of zeros
 
 Coefficients = list[Any]  # descending powers; floats or symbolic expressions

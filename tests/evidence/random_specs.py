@@ -216,7 +216,7 @@ def shipped(spec: Spec) -> Json:
     setting, coefficients = Setting.of(spec), spec.controller.coefficients
     assert coefficients is not None
     claims = certify(setting, setting.compensator(coefficients))
-    _, written, _ = recheck(setting, claims, lambda said: _written(setting, coefficients, said))
+    _, written, *_ = recheck(setting, claims, lambda said: _written(setting, coefficients, said))
     return json.loads(json.dumps(written))
 
 

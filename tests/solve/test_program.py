@@ -154,7 +154,7 @@ def test_a_start_that_satisfies_everything_has_no_violation() -> None:
 def test_a_solution_is_feasible_inside_the_bounds_and_could_not_be_faster() -> None:
     setting, omega_0 = good("order 2"), 13.0
     structure, rng = structure_of(setting.spec), np.random.default_rng(0)
-    grids = Grids.of(setting, omega_0)
+    grids = Grids.of(setting, omega_0, 4)
     program = Program(setting, structure, grids, omega_0)
     drawn = program.nearest([structure.start(rng) for _ in range(40)], 1.3, grids)
     found = next(c for c in (program.solve(x, 1.3, grids) for x in drawn) if c is not None and c.omega_B > 13)
@@ -269,3 +269,36 @@ def test_a_finer_grid_shows_where_a_candidate_falls_short() -> None:
     peaking = np.array([np.log(50 / omega_0), 0.1, 0.8])
     omega, _ = program.violated(Candidate(structure.rounded(peaking, omega_0), 8.8, peaking), finer)
     assert omega and all(20 < w < 200 for w in omega)
+
+
+def test_a_peak_between_two_points_of_the_finer_grid_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pair of poles with ζ = 0.001 that zeros cancel but for one per cent: a peak of Q̃ far narrower than the grid."""
+    setting, omega_0 = good("order 4"), 13.0
+    structure = structure_of(setting.spec)
+    zeta, tall, middle = 1e-3, 4.0, 1.0  # |1−Q̃| in the middle of the peak is about four
+    grid_ = Grids.of(setting, omega_0, 4)
+    gap = np.flatnonzero((grid_.omega > 50) & (grid_.omega < 60))[0]
+    peak = float(np.sqrt(grid_.omega[gap] * grid_.omega[gap + 1]) / omega_0)
+    zeros = [2 * zeta * tall / peak, middle / peak**2]
+    x = np.array([np.log(50 / omega_0), np.log(peak), 0.7075, zeta, 0.8, *zeros])
+    program = Program(setting, structure, FEW, omega_0)
+    sharp = Candidate(structure.rounded(x, omega_0), 8.8, x)
+    omega, _ = program.violated(sharp, grid_)
+    assert omega and all(w == pytest.approx(peak * omega_0, rel=0.05) for w in omega)
+    monkeypatch.setattr(Program, "resonances", lambda self, candidate: np.zeros(0))
+    assert program.violated(sharp, grid_) == ([], []), "the grid alone steps over it"
+
+
+def test_resonances_lie_around_the_poles_of_controller_and_loop() -> None:
+    setting, omega_0 = good("order 4"), 25.0
+    structure = structure_of(setting.spec)
+    x = np.array([0.0, np.log(3.0), 0.02, 0.9, 0.5, 0.1, 0.1])
+    program = Program(setting, structure, FEW, omega_0)
+    found = program.resonances(Candidate(structure.rounded(x, omega_0), 10.0, x))
+    own = found[np.abs(found / omega_0 - 1) < 0.1]
+    assert np.min(np.abs(own / omega_0 - 1)) < 1e-9 and own.size >= 19, "the pole itself, and around it"
+    assert not np.any(np.abs(found / (3 * omega_0) - 1) < 1e-3), "the other pair is no resonance"
+    C = setting.compensator(structure.rounded(x, omega_0))
+    closed = np.roots([float(c) for c in descending(setting.loop.Q_tilde(C).den)])
+    light = closed[(closed.imag > 0) & (-closed.real < 0.3 * np.abs(closed))]
+    assert light.size and all(np.min(np.abs(found / abs(pole) - 1)) < 1e-3 for pole in light)
