@@ -105,12 +105,13 @@ class BandProgram:
         for k, v, c in kept:
             for q in c.inequalities:
                 rows = Rows.of(v, c, q, omega, k)
+                if not rows.omega.size:  # its interval may lie beyond the grid
+                    continue
                 spread = np.unique(np.linspace(0, rows.omega.size - 1, FIRST_POINTS).astype(int))
                 self.watched.append(_Watched(rows, c.on_band, np.searchsorted(omega, rows.omega), spread))
         for here, there in zip(self.watched, like.watched if like is not None else (), strict=False):
             near = np.searchsorted(here.rows.omega, there.rows.omega[there.tight])
             here.tight = np.unique(np.clip(near, 0, here.rows.omega.size - 1))
-        self.watched = [w for w in self.watched if w.rows.omega.size]  # an interval may lie beyond the grid
 
         values = setting.loop.actuator.H.at(omega)[:, None] * basis.at(omega)
         triangle = np.linalg.qr(np.vstack([values.real, values.imag]) / np.sqrt(omega.size), mode="r")
@@ -135,6 +136,8 @@ class BandProgram:
             before = at, value
             to = at - np.clip(value / max(slope, SLOPE / 10), -1, 1)
             at = float(to if low < to < high else (low + high) / 2)
+        else:
+            return Failure.UNSOLVED
         return float(np.exp(at)) if at > np.log(self.omega[0]) + 0.01 else Failure.INFEASIBLE
 
     def level(self, omega_B: float) -> float | Failure:

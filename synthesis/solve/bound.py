@@ -102,7 +102,7 @@ def bound(setting: Setting, terms: int | None = None, progress: Progress = lambd
         best = _result(program, found, growth)
         if before is not None and found < before.omega_B:  # the larger basis contains the smaller one but for its poles
             best = replace(before, growth=growth)
-        if terms is not None or (growth is not None and growth < CONVERGED):
+        if terms is not None or (growth is not None and abs(growth) < CONVERGED):
             return best
         if size * GROWTH > MOST_TERMS:
             return replace(best, stopped="the basis is as large as it may be")
