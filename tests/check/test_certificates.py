@@ -173,6 +173,45 @@ def test_the_given_controller_is_recognised_up_to_a_factor() -> None:
     assert check_bytes(in_spec("controller", "form", value="eq23")()).exit_code == 0
 
 
+SHAPES = {  # degree of the numerator at most; of the denominator at least and at most; whether it has a pole at 0
+    "p": (0, 0, 0, False),
+    "pi": (1, 1, 1, True),
+    "lead-lag": (1, 0, 1, False),
+    "pi-lead": (2, 1, 2, True),
+    "p-filtered": (0, 1, 1, False),
+    "pi-filtered": (1, 2, 2, True),
+    "lead-lag-filtered": (1, 1, 2, False),
+    "pi-lead-filtered": (2, 2, 3, True),
+}
+
+
+def said_of(form: str, type: str, zeros: int, poles: int, at_zero: bool) -> str:
+    """The checker's message for a controller with so many zeros and poles, of which one may be 0."""
+    given = {"numerator": ["2"] * (zeros + 1), "denominator": ["3"] * poles + ["0" if at_zero and poles else "3"]}
+    cert = copy.deepcopy(REFERENCE)
+    cert["spec"]["controller"].update(type=type, form=form, coefficients=None)
+    cert["controller"] = {"type": type, "C": given} if type != "dob" else dob(given["numerator"], given["denominator"])
+    return check_bytes(data(seal(cert))).message
+
+
+@pytest.mark.parametrize("form", SHAPES)
+def test_a_controller_is_of_the_form_the_specification_names(form: str) -> None:
+    zeros, least, most, integral = SHAPES[form]
+    wrong = f"controller.C: is not of the form {form}"
+    for fits in ((zeros, most), (zeros, least)):
+        assert wrong not in said_of(form, "dynamic-feedback", *fits, integral)
+    for outside in ((zeros + 1, most), (zeros, most + 1), *([(zeros, least - 1)] if least else [])):
+        assert wrong in said_of(form, "dynamic-feedback", *outside, integral), outside
+    if integral:
+        assert wrong in said_of(form, "dynamic-feedback", zeros, most, False)
+
+
+def test_q_of_form_23_has_two_poles_and_no_zero() -> None:
+    wrong = "controller.Q: is not of the form eq23"
+    assert wrong not in said_of("eq23", "dob", 0, 2, False)
+    assert all(wrong in said_of("eq23", "dob", *shape, False) for shape in ((1, 2), (0, 1), (0, 3)))
+
+
 def raised(kind: str, factor: float) -> Callable[[], bytes]:
     return entry(kind, margin=text(num(find(REFERENCE, kind)["margin"]) * factor, 9))
 
