@@ -35,15 +35,16 @@ def main(argv: list[str]) -> int:
             stream.reconfigure(errors="backslashreplace")
     codes = []
     for file in arguments.files:
+        name = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in file)  # a line break could forge a line
         verdict = check_file(file, time_limit=arguments.time_limit)
         if arguments.json:
             said = _say(json.dumps({"file": file, **asdict(verdict)}), sys.stdout)
         elif verdict.exit_code == 0:
-            said = _say(f"PROVEN  {file}  {verdict.message}", sys.stdout)
+            said = _say(f"PROVEN  {name}  {verdict.message}", sys.stdout)
         else:
-            said = _say(f"{file}: {verdict.message}", sys.stderr)
+            said = _say(f"{name}: {verdict.message}", sys.stderr)
         if not said and verdict.exit_code == 0:
-            _say(f"{file}: standard output cannot be written", sys.stderr)
+            _say(f"{name}: standard output cannot be written", sys.stderr)
         codes.append(verdict.exit_code if said else verdict.exit_code or UNREADABLE)
     return next(filter(None, codes), 0)
 

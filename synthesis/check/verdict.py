@@ -5,6 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context, Decimal
 from pathlib import Path
+from stat import S_ISFIFO
 from typing import Any
 
 from .joint import validate
@@ -41,6 +42,8 @@ class Verdict:
 def check_file(path: str | Path, *, time_limit: float = 60.0) -> Verdict:
     """Re-prove the certificate in a file; `time_limit` in seconds."""
     try:
+        if S_ISFIFO(Path(path).lstat().st_mode):  # it may have no other end
+            return Verdict(UNREADABLE, "file: a named pipe, not a file")
         with Path(path).open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
     except (OSError, ValueError) as error:
@@ -85,8 +88,10 @@ def _decision(certificate: dict[str, Any], deadline: float) -> Callable[..., str
         nonlocal prover
         found = prover.fault(*claim)
         if found is None:
-            from .enclosure.claims import CellProver  # the only place where one tier knows of the other
-
+            try:
+                from .enclosure.claims import CellProver  # the only place where one tier knows of the other
+            except ImportError:
+                raise CheckError(UNDECIDED, "needs `enclosure`, which is absent") from None
             prover = CellProver(certificate, deadline)
             found = prover.fault(*claim)
         return found

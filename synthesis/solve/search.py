@@ -39,6 +39,7 @@ WORTHWHILE = 0.9  # of the best figure: what may still rise above it on the fine
 KEPT = 4  # distinct optima that are kept
 FINER = 8  # the grid that optima are looked at between solutions
 EXCHANGES = 8
+AGAIN = ((0.99, True), (0.99, False), (0.9, False), (0.7, False))  # parts of ω_B to solve again from, and whether near
 ROUNDS = 12
 BACK_OFF_GROWTH = 1.5
 SAME = 1e-3  # relative difference of ω_B below which two optima are one
@@ -134,36 +135,42 @@ class Search:
     def _from_simple(self, chain: list[Structure]) -> Found | None:
         """Search structure after structure, each from the optima of the one before; prove the last one's."""
         first = Grids.of(self.setting, self.omega_0)
-        optima = Optima((), first)
-        searched: list[tuple[Structure, Optima]] = []
+        found = [Optima((), first)]
         for structure in chain:
-            key = structure, self.omega_0
-            if key not in self.known or (self.starts and structure == chain[-1]):
+            key, asked = (structure, self.omega_0), structure == chain[-1]
+            if key not in self.known or (self.starts and asked):
                 self.progress(f"searching {structure}")
-                self.known[key] = self._optima(Program(self.setting, structure, first, self.omega_0), optima)
-            optima = self.known[key]
-            searched.append((structure, optima))
-        best: Found | None = None
-        for structure, optima in reversed(searched):  # one of lower order is one of this order, too
+                program = Program(self.setting, structure, first, self.omega_0)
+                self.known[key] = self._optima(program, found[-1], asked)
+            found.append(self.known[key])
+        for k, structure in reversed([*enumerate(chain, 1)]):  # one of lower order is one of this order, too
             program = Program(self.setting, structure, first, self.omega_0)
-            for candidate in optima.candidates:
-                if best is not None and best.candidate.omega_B >= REACHED * candidate.omega_B:
-                    break  # the others, too, would have to lose less to their proofs
-                found = self._prove(program, candidate, optima.grids)
-                if best is None or (found is not None and found.candidate.omega_B > best.candidate.omega_B):
-                    best = found
+            best = self._best(program, found[k])
+            if best is None and structure != chain[-1] and found[k].candidates:  # so far it only gave starts
+                self.progress(f"nothing proven; searching {structure} for its own sake")
+                best = self._best(program, self._optima(program, found[k - 1], asked=True))
             if best is not None:
                 return best
         return None
 
-    def _optima(self, program: Program, below: Optima) -> Optima:
-        """Distinct optima of one structure, and the grid on which the best is tight."""
+    def _best(self, program: Program, optima: Optima) -> Found | None:
+        """The best that can be proven of one structure's optima."""
+        best: Found | None = None
+        for candidate in optima.candidates:
+            if best is not None and best.candidate.omega_B >= REACHED * candidate.omega_B:
+                break  # the others, too, would have to lose less to their proofs
+            found = self._prove(program, candidate, optima.grids)
+            if best is None or (found is not None and found.candidate.omega_B > best.candidate.omega_B):
+                best = found
+        return best
+
+    def _optima(self, program: Program, below: Optima, asked: bool) -> Optima:
+        """Distinct optima of one structure, and the grid on which the best is tight; not `asked`: for starts only."""
         found: list[tuple[Candidate, Grids]] = []
         ends: list[tuple[float, float]] = []  # ω_B of a solution on a grid, which flatters, and what is left
         best, votes, grids = 0.0, list[float](), below.grids
-        asked = program.structure == structure_of(self.setting.spec)  # the others only give it starts
         agree = FIRST_AGREE if asked and not (below.candidates or self.starts) else AGREE
-        for start in self._starts(program, below):
+        for start in self._starts(program, below, asked):
             self._in_time()
             explored = program.solve(start.x, start.omega_B, grids, refining=start.near)
             if explored is None:
@@ -184,9 +191,8 @@ class Search:
         found.sort(key=lambda pair: -pair[0].omega_B)
         return Optima(_distinct([c for c, _ in found])[:KEPT], found[0][1] if found else below.grids)
 
-    def _starts(self, program: Program, below: Optima) -> Iterator[Start]:
+    def _starts(self, program: Program, below: Optima, asked: bool) -> Iterator[Start]:
         structure, rng = program.structure, np.random.default_rng(self.seed)
-        asked = structure == structure_of(self.setting.spec)
         for coefficients, omega_B in self.starts if asked else ():
             response = Response.of(self.setting, coefficients, below.grids.omega)
             x = reduced(program, response, structure.start(rng))
@@ -223,10 +229,10 @@ class Search:
         return Grids.of(self.setting, self.omega_0, FINER)
 
     def _again(self, program: Program, candidate: Candidate, grids: Grids) -> Candidate | None:
-        """Solve on another grid, near the last optimum if IPOPT can, else from it."""
-        for near in (True, False):
+        """Solve on another grid, near the last optimum if IPOPT can, else from it, or from the same with less ω_B."""
+        for share, near in AGAIN:
             self._in_time()
-            again = program.solve(candidate.x, 0.99 * candidate.omega_B, grids, refining=near)
+            again = program.solve(candidate.x, share * candidate.omega_B, grids, refining=near)
             if again is not None:
                 return again
         return None

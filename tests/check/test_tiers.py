@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import io
 import math
+import os
 import random
 import re
 import shutil
@@ -115,8 +116,28 @@ def test_a_sampled_certificate_needs_the_second_tier_and_gets_it(first_tier: Pat
     sampled = ROOT / "examples/certificates/haninger2016-sampled.json"
     done = run(CHECK, sampled)
     assert done.returncode == 0 and "enclosure.claims" in done.stderr and "PROVEN" in done.stdout
-    alone = run(first_tier, sampled)
-    assert alone.returncode not in (0, 4) and "PROVEN" not in alone.stdout
+    alone = run(first_tier, sampled, ROOT / "examples/certificates/haninger2016.json")
+    assert alone.returncode == 5 and "needs `enclosure`, which is absent" in alone.stderr
+    assert alone.stdout.count("PROVEN") == 1, "what follows is checked all the same"
+
+
+def test_a_pipe_and_a_forged_line_are_refused(tmp_path: Path) -> None:
+    pipe, forged = tmp_path / "pipe", tmp_path / "a\nPROVEN  b.json  x"
+    os.mkfifo(pipe)
+    shutil.copy(ROOT / "examples/certificates/haninger2016.json", forged)
+    done = run(CHECK, pipe, forged)
+    assert done.returncode == 2 and "a named pipe, not a file" in done.stderr
+    assert done.stdout.count("\n") == 1 and f"PROVEN  {tmp_path}/a\\nPROVEN" in done.stdout
+
+
+def test_a_tolerance_of_many_coefficients_keeps_to_its_time() -> None:
+    """Every pair of coefficients is a joint of its own: thousands, before the first cell."""
+    content = read((ROOT / "tests/data/golden/sampled-range.json").read_bytes())
+    prover = CellProver(content, monotonic() + 60)
+    prover.deadline = monotonic() - 1
+    symbols = {("denominator", k): (Fraction(-1), Fraction(1)) for k in range(3)}
+    with pytest.raises(CheckError, match="time limit"):
+        prover.generators("stability-free", {}, symbols)
 
 
 def test_a_limit_is_that_of_the_leading_coefficients() -> None:

@@ -21,7 +21,7 @@ from robimp.synthesis.solve.nlp import Program
 from robimp.synthesis.solve.places import Grids
 from robimp.synthesis.solve.reduction import Response, reduced
 from robimp.synthesis.solve.search import REACHED, Found, Optima, Refute, Search
-from robimp.synthesis.solve.structure import QFilter
+from robimp.synthesis.solve.structure import QFilter, Structure
 from robimp.synthesis.spec.model import Polynomials
 
 search_module = import_module("robimp.synthesis.solve.search")
@@ -116,6 +116,22 @@ def test_a_proof_that_never_comes_ends_the_search(monkeypatch: pytest.MonkeyPatc
     assert len(asked) >= 2
 
 
+def test_where_nothing_of_an_order_is_proven_the_next_lower_one_is_searched_for_its_own_sake(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    said, tried, genuine = list[str](), list[Structure](), Search._best
+
+    def reluctant(search: Search, program: Program, optima: Optima) -> Found | None:
+        tried.append(program.structure)
+        return None if len(tried) < 3 else genuine(search, program, optima)
+
+    monkeypatch.setattr(Search, "_best", reluctant)
+    found = Search(setting(("order: 4", "order: 3")), lambda c, w: (), 40.0, said.append).run()
+    assert found is not None and len(found.candidate.coefficients.denominator) == 3
+    assert tried == [QFilter(3), QFilter(2), QFilter(2)]
+    assert any("nothing proven; searching" in text and "its own sake" in text for text in said)
+
+
 def test_a_search_out_of_time_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(UndecidedError, match="out of time"):
         searched(setting(EQ23), monkeypatch, lambda c, w: (), deadline=0.0)
@@ -152,7 +168,7 @@ def test_a_given_controller_is_one_start_among_the_others() -> None:
         assert optimum is not None
         found.append(optimum.candidate.omega_B)
         grids = Grids.of(joint, 50.0)
-        each = [s.omega_B for s in search._starts(Program(joint, QFilter(3), grids, 50.0), Optima((), grids))]
+        each = [s.omega_B for s in search._starts(Program(joint, QFilter(3), grids, 50.0), Optima((), grids), True)]
         assert sum(omega_B in (0.95 * 8.87, 0.8 * 8.87) for omega_B in each) == 2 * len(starts) < len(each)
     assert found[1] >= 0.999 * found[0] > 13
     assert said == ["searching QFilter(order=2)", "searching QFilter(order=3)"] * 2

@@ -46,6 +46,21 @@ def test_a_bound_the_solver_fails_at_does_not_stop_the_search(tmp_path: Path, mo
     assert "no bound" in line and "vouches" in line
 
 
+def test_a_search_that_finds_less_than_asked_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    genuine = search.Search._best
+    monkeypatch.setattr(bound, "bound", lambda *a, **k: None)
+    monkeypatch.setattr(
+        search.Search, "_best", lambda self, p, o: None if p.structure.order == 3 else genuine(self, p, o)
+    )
+    spec = tmp_path / "three.yaml"
+    text = (EXAMPLES / "haninger2016.yaml").read_text(encoding="utf-8")
+    spec.write_text(text.replace("order: 4", "order: 3"), encoding="utf-8")
+    said = robimp("synth", spec, "-o", tmp_path / "out").out
+    assert "note: order 3 was asked for" in said and "this controller has order 2" in said
+    assert "note: no bound to compare with" in said
+    assert "note: order" not in robimp("synth", EXAMPLES / "haninger2016-eq23.yaml", "-o", tmp_path / "eq23").out
+
+
 def test_the_report_is_about_the_bytes_that_were_checked_and_they_are_checked_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,7 +11,7 @@ from operator import mul
 from typing import Any
 
 from ..joint import Joint, Point, Ranges, ranges
-from ..outcome import FALSE, UNDECIDED, demand
+from ..outcome import FALSE, UNDECIDED, demand, tick
 from ..polynomials import ONE, Poly
 from ..proofs import Prover
 from ..requirements import ALL, WHOLE, Kind, requirements
@@ -166,6 +166,7 @@ class CellProver(Prover):
         of theirs: no three of loads, impedances and coefficients are multiplied."""
         found: dict[Any, tuple[Poly, Poly]] = {}
         for up in [(), *combinations(ranges, 1), *combinations(ranges, 2)]:
+            tick(self.deadline)
             at = {key: hi if key in up else (lo + hi) / 2 for key, (lo, hi) in ranges.items()}
             value = self.joint(there | at).loop(name)
             for part in (part for part in [(), *combinations(up, 1)] if part != up):
