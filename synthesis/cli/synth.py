@@ -109,6 +109,7 @@ def _synth_orders(
     show_orders(rows, limit, console())
     say(f"certificates: {folder}/order-*/certificate.json, figure: {folder / 'orders.svg'}")
     for name, result in results.items():
+        _say_less(result)
         _say_slow(folder / name, result)
     return codes
 
@@ -148,22 +149,20 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, s
     show(result, console())
     say(f"certificate: {folder / 'certificate.json'}, report: {folder / 'report.html'}")
     _say_less(result)
+    if result.bound is None and spec.controller.coefficients is None:
+        say("note: no bound to compare with: its solver vouches for none")
     _say_slow(folder / "certificate.json", result)
     return result.exit_code
 
 
 def _say_less(result: Result) -> None:
-    """What a search found less of than was asked for."""
+    """A search that found a controller of lower order than was asked for."""
     controller, found = result.spec.controller, len(result.coefficients.denominator) - 1
-    if controller.coefficients is not None:
-        return
-    if controller.order is not None and found < controller.order:
+    if controller.coefficients is None and controller.order is not None and found < controller.order:
         say(
             f"note: order {controller.order} was asked for, and of that order nothing was proven: this controller has "
             f"order {found}; another --seed may find more"
         )
-    if result.bound is None:
-        say("note: no bound to compare with: its solver found none")
 
 
 def _say_slow(file: Path, result: Result) -> None:
