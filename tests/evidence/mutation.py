@@ -1,11 +1,12 @@
 """Mutation testing of the checker: one small change at a time, run against its own tests; what survives is listed.
 
-    python tests/evidence/mutation.py [--record FILE] [--budget 600] [--module positivity.py] [--processes 2]
+    python tests/evidence/mutation.py [--record FILE] [--budget 600] [--module positivity.py] [--slowest 1]
 
 pytest collects the tests once. Each mutant is a fork of that process with its code exchanged; it runs the tests that
-enter the changed function, the quick ones first, until one fails. With --record the same command goes on where the
-budget ended; what was tried on another checker or by other tests is tried again. Survivors that are explained in
-survivors.md (one line each) are not reported; the exit code is 1 if another one survives.
+enter the changed function until one fails: first those that noticed other changes of it, then the quick ones. With
+--record the same command goes on where the budget ended: tried again is everything after a change of the checker, what
+was noticed after a change of the test that noticed it, and what survived after a change of any test. Survivors that are
+explained in survivors.md (one line each) are not reported; the exit code is 1 if another one survives.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ import signal
 import sys
 import time
 import traceback
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import FrameType
@@ -34,7 +35,8 @@ CHECK = ROOT / "synthesis" / "check"
 TESTS = [ROOT / "tests" / "evidence" / "test_evidence_corpus.py", ROOT / "tests" / "check"]
 DATA = ROOT / "tests" / "data"
 SURVIVORS = Path(__file__).with_name("survivors.md")
-SLOWER, GRACE = 8, 5.0  # a test that takes so many times as long, and so many seconds [s] more, has noticed
+SLOWER, GRACE = 8, 3.0  # a test that computes so many times as long, and so many seconds [s] more, has noticed
+WAITING = 10  # and so many times that by the clock, if it waits
 SURVIVED, UNLOADED, ENDED = "survived", "does not load", "ends the process"
 T = TypeVar("T")
 
@@ -52,10 +54,8 @@ def explained() -> set[str]:
     return {line[2:].rsplit(" ⇒ ", 1)[0] for line in lines if line.startswith("- ") and " ⇒ " in line}
 
 
-def digest(tests: list[Path]) -> str:
-    """Of the checker, the tests and the certificates they read: what was tried on others does not count."""
-    files = [*CHECK.rglob("*.py"), *DATA.rglob("*.json")]
-    files += [file for path in tests for file in (path.rglob("*.py") if path.is_dir() else [path])]
+def digest(files: Iterable[Path]) -> str:
+    """Of the content of files."""
     return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()[:16]
 
 
@@ -84,7 +84,7 @@ def reach(item: pytest.Item) -> Reach:
 
 
 def trial(mutant: Mutant, items: list[pytest.Item], known: dict[str, Reach]) -> str:
-    """The first test that notices a mutant; the process ends by SIGALRM if one is not done in its time."""
+    """The first test that notices a mutant; the process ends by a signal if one is not done in its time."""
     try:
         transplant(mutant)
     except Exception as fault:
@@ -92,7 +92,9 @@ def trial(mutant: Mutant, items: list[pytest.Item], known: dict[str, Reach]) -> 
     everywhere = all(mutant.place not in r.places for r in known.values())
     items = [i for i in items if everywhere or mutant.place in known[i.nodeid].places]
     for item, after in zip(items, [*items[1:], None], strict=True):
-        signal.setitimer(signal.ITIMER_REAL, SLOWER * known[item.nodeid].seconds + GRACE)
+        allowed = SLOWER * known[item.nodeid].seconds + GRACE
+        signal.setitimer(signal.ITIMER_PROF, allowed)  # of processor time: a busy machine notices nothing
+        signal.setitimer(signal.ITIMER_REAL, WAITING * allowed)
         if failed(item, after):
             return item.nodeid
     return SURVIVED
@@ -141,7 +143,9 @@ class Mutation:
 
     def __init__(self, given: argparse.Namespace) -> None:
         self.given, self.counts, self.survivors = given, Counter[str](), list[Mutant]()
-        self.digest = digest(given.tests)
+        self.tests = sorted(file for path in given.tests for file in (path.rglob("*.py") if path.is_dir() else [path]))
+        self.checker = digest([*CHECK.rglob("*.py"), *DATA.rglob("*.json")])
+        self.noticing = defaultdict[str, Counter[str]](Counter)  # of each function: how often a test noticed a change
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
         processes = self.given.processes
@@ -149,16 +153,18 @@ class Mutation:
         known: dict[str, Reach] = {}
         for name, answer in in_forks(items, lambda n: reach(items[n]), processes, float("inf")):
             known[name] = Reach(answer[0], frozenset(answer[1]))
-        ordered = sorted(session.items, key=lambda i: known[i.nodeid].seconds)
-        record, tried = self.record()
+        quick = [i for i in session.items if known[i.nodeid].seconds <= self.given.slowest]
+        tried = self.recorded()
+
+        def look(mutant: Mutant) -> str:
+            before = self.noticing[mutant.place]
+            return trial(mutant, sorted(quick, key=lambda i: (-before[i.nodeid], known[i.nodeid].seconds)), known)
+
         until = time.monotonic() + self.given.budget
-        for mutant, by in in_forks(
-            (m for m in self.todo() if m.key not in tried), lambda m: trial(m, ordered, known), processes, until
-        ):
+        for mutant, by in in_forks((m for m in self.todo() if m.key not in tried), look, processes, until):
             tried[mutant.key] = by or ENDED
-            if record:
-                with record.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps([self.digest, mutant.key, tried[mutant.key]]) + "\n")
+            self.noticing[mutant.place][by] += 1
+            self.note(mutant, tried[mutant.key])
         for mutant in self.todo():
             self.count(mutant, tried.get(mutant.key))
         return True
@@ -171,13 +177,24 @@ class Mutation:
         random.Random(self.given.seed).shuffle(found)
         return found
 
-    def record(self) -> tuple[Path | None, dict[str, str]]:
-        """The record's file, and what it says of this checker."""
-        path = self.given.record
-        if path is None or not path.exists():
-            return path, {}
-        lines = [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
-        return path, {key: by for digest, key, by in lines if digest == self.digest}
+    def recorded(self) -> dict[str, str]:
+        """What the record says that still holds."""
+        if self.given.record is None or not self.given.record.exists():
+            return {}
+        lines = [json.loads(line) for line in self.given.record.read_text(encoding="utf-8").splitlines()]
+        return {key: by for checker, tests, key, by in lines if (checker, tests) == (self.checker, self.judges(by))}
+
+    def note(self, mutant: Mutant, by: str) -> None:
+        """Add a line to the record."""
+        if self.given.record:
+            with self.given.record.open("a", encoding="utf-8") as file:
+                file.write(json.dumps([self.checker, self.judges(by), mutant.key, by]) + "\n")
+
+    def judges(self, by: str) -> str:
+        """Digest of the file of the test that noticed and what it uses; if none did, of all, and which were asked."""
+        one = [file for file in self.tests if "::" in by and file.name == Path(by.split("::")[0]).name]
+        used = [file for file in self.tests if not file.name.startswith("test_")]
+        return digest([*one, *used]) if one else f"{digest(self.tests)} {self.given.slowest}"
 
     def count(self, mutant: Mutant, by: str | None) -> None:
         how = "not tried" if by is None else "noticed" if by != SURVIVED else "survived, explained"
@@ -195,6 +212,7 @@ def main() -> int:
     parser.add_argument("--module", action="append", help="file, as enclosure/cells.py (default all)")
     parser.add_argument("--record", type=Path, help="file of what was tried, to go on later")
     parser.add_argument("--tests", nargs="+", type=Path, default=TESTS)
+    parser.add_argument("--slowest", type=float, default=float("inf"), help="seconds; slower tests are not asked")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import ast
 import json
 import os
@@ -111,11 +112,37 @@ def mutated(tests: str, tmp_path: Path) -> subprocess.CompletedProcess[str]:
 def test_mutants_are_tried_by_the_tests_that_enter_them(tmp_path: Path) -> None:
     done = mutated(CLOCK, tmp_path)
     lines = [json.loads(line) for line in (tmp_path / "tried.jsonl").read_text(encoding="utf-8").splitlines()]
-    by = {key: said for _, key, said in lines}
+    by = {key: said for _, _, key, said in lines}
     comparison = next(said for key, said in by.items() if "tick" in key and "LtE to Gt" in key)
     assert comparison.endswith("test_the_clock"), "the test that failed"
     assert "survived" in by.values() and done.returncode == 1, "nobody asks for the other exit codes"
     assert f"{sum(said == 'survived' for said in by.values())} survived" in done.stdout
+
+
+def test_only_what_another_test_can_change_is_tried_again(tmp_path: Path) -> None:
+    names = ["test_one.py", "test_other.py", "builder.py"]
+    files = [tmp_path / name for name in names]
+    given = argparse.Namespace(tests=[tmp_path], record=tmp_path / "tried.jsonl", slowest=1.0)
+    by = {"outcome.py": "tests/check/test_one.py::test", "reader.py": mutation.SURVIVED, "joint.py": mutation.ENDED}
+
+    def still_known() -> set[str]:
+        return {key.split("`")[1] for key in mutation.Mutation(given).recorded()}
+
+    def written(one: str, other: str, builder: str) -> None:
+        for file, content in zip(files, (one, other, builder), strict=True):
+            file.write_text(content, encoding="utf-8")
+
+    written("", "", "")
+    for file, said in by.items():
+        mutation.Mutation(given).note(Mutant(file, 1, "place", "text", "change", ""), said)
+    assert still_known() == set(by)
+    written("", "another test", "")
+    assert still_known() == {"outcome.py"}, "the test that noticed is the same"
+    written("", "", "what they use")
+    assert still_known() == set()
+    written("", "", "")
+    given.slowest = 2.0
+    assert still_known() == {"outcome.py"}, "slower tests are asked, too"
 
 
 def test_mutants_are_not_tried_by_tests_that_fail_without_them(tmp_path: Path) -> None:
