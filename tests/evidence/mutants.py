@@ -7,7 +7,7 @@ import copy
 import importlib
 import sys
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import EnumMeta
 from pathlib import Path
 from types import FunctionType
@@ -50,7 +50,7 @@ class Mutant:
     place: str
     text: str
     change: str
-    source: str
+    source: str = field(repr=False)
 
     @property
     def key(self) -> str:

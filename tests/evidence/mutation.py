@@ -16,6 +16,7 @@ import hashlib
 import json
 import os
 import random
+import resource
 import signal
 import sys
 import time
@@ -36,6 +37,7 @@ TESTS = [ROOT / "tests" / "evidence" / "test_evidence_corpus.py", ROOT / "tests"
 DATA = ROOT / "tests" / "data"
 SURVIVORS = Path(__file__).with_name("survivors.md")
 SLOWER, GRACE = 8, 3.0  # a test that computes so many times as long, and so many seconds [s] more, has noticed
+MEMORY = 4 * 2**30  # bytes that a mutant may fill
 WAITING = 10  # and so many times that by the clock, if it waits
 SURVIVED, UNLOADED, ENDED = "survived", "does not load", "ends the process"
 T = TypeVar("T")
@@ -89,8 +91,6 @@ def trial(mutant: Mutant, items: list[pytest.Item], known: dict[str, Reach]) -> 
         transplant(mutant)
     except Exception as fault:
         return f"{UNLOADED}: {type(fault).__name__}"
-    everywhere = all(mutant.place not in r.places for r in known.values())
-    items = [i for i in items if everywhere or mutant.place in known[i.nodeid].places]
     for item, after in zip(items, [*items[1:], None], strict=True):
         allowed = SLOWER * known[item.nodeid].seconds + GRACE
         signal.setitimer(signal.ITIMER_PROF, allowed)  # of processor time: a busy machine notices nothing
@@ -120,6 +120,7 @@ def in_forks(work: Iterable[T], do: Callable[[T], Any], processes: int, until: f
                 continue
             try:
                 os.setsid()  # its own children end with it
+                resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
                 signal.signal(signal.SIGALRM, signal.SIG_DFL)
                 answer = json.dumps(do(piece), default=list).encode()
                 os.write(sink, answer)
@@ -153,21 +154,24 @@ class Mutation:
         known: dict[str, Reach] = {}
         for name, answer in in_forks(items, lambda n: reach(items[n]), processes, float("inf")):
             known[name] = Reach(answer[0], frozenset(answer[1]))
-        quick = [i for i in session.items if known[i.nodeid].seconds <= self.given.slowest]
         tried = self.recorded()
-
-        def look(mutant: Mutant) -> str:
-            before = self.noticing[mutant.place]
-            return trial(mutant, sorted(quick, key=lambda i: (-before[i.nodeid], known[i.nodeid].seconds)), known)
-
         until = time.monotonic() + self.given.budget
-        for mutant, by in in_forks((m for m in self.todo() if m.key not in tried), look, processes, until):
+        todo = (m for m in self.todo() if m.key not in tried)
+        look = lambda m: trial(m, self.asked(m.place, session.items, known), known)  # noqa: E731
+        for mutant, by in in_forks(todo, look, processes, until):
             tried[mutant.key] = by or ENDED
             self.noticing[mutant.place][by] += 1
             self.note(mutant, tried[mutant.key])
         for mutant in self.todo():
             self.count(mutant, tried.get(mutant.key))
         return True
+
+    def asked(self, place: str, items: list[pytest.Item], known: dict[str, Reach]) -> list[pytest.Item]:
+        """The tests that enter a function, or all if none does; slow ones only if no quick one does."""
+        before = self.noticing[place]
+        entering = [i for i in items if place in known[i.nodeid].places] or items
+        quick = [i for i in entering if known[i.nodeid].seconds <= self.given.slowest]
+        return sorted(quick or entering, key=lambda i: (-before[i.nodeid], known[i.nodeid].seconds))
 
     def todo(self) -> list[Mutant]:
         """All mutants that were asked for, in an order that makes the first ones a fair sample."""
@@ -212,7 +216,7 @@ def main() -> int:
     parser.add_argument("--module", action="append", help="file, as enclosure/cells.py (default all)")
     parser.add_argument("--record", type=Path, help="file of what was tried, to go on later")
     parser.add_argument("--tests", nargs="+", type=Path, default=TESTS)
-    parser.add_argument("--slowest", type=float, default=float("inf"), help="seconds; slower tests are not asked")
+    parser.add_argument("--slowest", type=float, default=float("inf"), help="seconds; a slower test is the last resort")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
