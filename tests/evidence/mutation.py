@@ -89,7 +89,7 @@ def trial(mutant: Mutant, items: list[pytest.Item], known: dict[str, Reach]) -> 
     """The first test that notices a mutant; the process ends by a signal if one is not done in its time."""
     try:
         transplant(mutant)
-    except Exception as fault:
+    except (Exception, SystemExit) as fault:
         return f"{UNLOADED}: {type(fault).__name__}"
     for item, after in zip(items, [*items[1:], None], strict=True):
         allowed = SLOWER * known[item.nodeid].seconds + GRACE
@@ -149,11 +149,7 @@ class Mutation:
         self.noticing = defaultdict[str, Counter[str]](Counter)  # of each function: how often a test noticed a change
 
     def pytest_runtestloop(self, session: pytest.Session) -> bool:
-        processes = self.given.processes
-        items = {item.nodeid: item for item in session.items}
-        known: dict[str, Reach] = {}
-        for name, answer in in_forks(items, lambda n: reach(items[n]), processes, float("inf")):
-            known[name] = Reach(answer[0], frozenset(answer[1]))
+        processes, known = self.given.processes, self.reached(session.items)
         tried = self.recorded()
         until = time.monotonic() + self.given.budget
         todo = (m for m in self.todo() if m.key not in tried)
@@ -165,6 +161,18 @@ class Mutation:
         for mutant in self.todo():
             self.count(mutant, tried.get(mutant.key))
         return True
+
+    def reached(self, items: list[pytest.Item]) -> dict[str, Reach]:
+        """What every test does, from beside the record if these tests were run on this checker before."""
+        named, wanted = {item.nodeid: item for item in items}, f"{self.checker} {digest(self.tests)}"
+        kept = self.given.record and self.given.record.with_suffix(".reach.json")
+        found = json.loads(kept.read_text(encoding="utf-8")) if kept and kept.exists() else {}
+        if found.get("digest") != wanted:
+            answers = in_forks(named, lambda n: reach(named[n]), self.given.processes, float("inf"))
+            found = {"digest": wanted, "tests": dict(answers)}
+            if kept:
+                kept.write_text(json.dumps(found, default=list), encoding="utf-8")
+        return {name: Reach(seconds, frozenset(places)) for name, (seconds, places) in found["tests"].items()}
 
     def asked(self, place: str, items: list[pytest.Item], known: dict[str, Reach]) -> list[pytest.Item]:
         """The tests that enter a function, or all if none does; slow ones only if no quick one does."""
