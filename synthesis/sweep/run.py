@@ -59,12 +59,17 @@ def map_plane(
     plane, folder = Plane.of(spec, axes), Path(folder)
     options = {"time_limit": time_limit, "certificates": certificates}
     with Journal(folder, plane, options) as journal:
-        todo = [index for index in plane if index not in journal.finished]
+        todo = sorted((index for index in plane if index not in journal.finished), key=_remaining)
         if todo:
             with workers(processes, dask) as (executor, size):
                 run = _Run(plane, folder, journal, executor, size, options, progress)
                 run.solve(todo)
         return Map(plane, dict(journal.finished), certificates)
+
+
+def _remaining(index: Index) -> tuple[int, int]:
+    """Cells by how many follow them along their row, most first: no long chain is left for the end."""
+    return index[1], index[0]
 
 
 def _two(axes: list[Axis]) -> tuple[Axis, Axis]:

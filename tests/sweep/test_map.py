@@ -67,6 +67,14 @@ def test_a_map_of_a_search_starts_each_cell_from_its_neighbour(
     assert starts == {(0, 0): None, (0, 1): 1, (1, 0): 1, (0, 2): 1, (1, 1): 2, (1, 2): 3}, "past the infeasible cell"
 
 
+def test_rows_go_on_together_so_that_no_chain_of_neighbours_is_left_for_the_end(
+    searched: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    executor = here(monkeypatch, proven)
+    map_plane(searched, AXES, tmp_path / "map")
+    assert [task.index for task in executor.tasks] == [(0, 0), (1, 0), (0, 1), (1, 1), (0, 2), (1, 2)]
+
+
 def test_a_search_with_a_neighbours_start_is_no_worse_however_poor_the_neighbour(searched: Path) -> None:
     cold = synthesize(load(searched))
     poor = Polynomials(numerator=(Fraction(1),), denominator=(Fraction(1), Fraction(10), Fraction(100)))
