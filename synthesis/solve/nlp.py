@@ -24,9 +24,10 @@ from ..problem.grid import Evaluator
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
 from .basis import RESOLVED
+from .corner import Corner
 from .places import ADDED, ADDED_BAND, Casadi, Grids, Places, filled, numbered
 from .split import Split
-from .structure import Coefficients, Structure, convolve
+from .structure import Coefficients, Structure, add, convolve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -49,11 +50,15 @@ REFINING = {"ipopt.mu_init": 1e-5, "ipopt.bound_push": 1e-8, "ipopt.bound_frac":
 
 @dataclass(frozen=True)
 class Candidate:
-    """A controller the search proposes; nothing is proven about it. omega_B [rad/s] is the program's own figure."""
+    """A controller the search proposes; nothing is proven about it. omega_B [rad/s] is the program's own figure.
+
+    corner: of the sensor filter, where it was free.
+    """
 
     coefficients: Polynomials
     omega_B: float
     x: NDArray[np.float64]
+    corner: Corner | None = None
 
 
 @dataclass(frozen=True)
@@ -81,7 +86,7 @@ class Program:
         x, log_band = ca.MX.sym("x", low.size), ca.MX.sym("log_band")
         band = ca.MX.sym("band", first.band.size + ADDED_BAND)
         self.x = ca.SX.sym("x", low.size)
-        self.num, self.den = structure.polynomials(ca.vertsplit(self.x), exp=ca.exp)
+        self.num, self.den = self.compensator(ca.vertsplit(self.x), exp=ca.exp)
         *C, routh = self._scalars()(x)
         self.rows: list[Rows] = []
         expressions, start = [], 0
@@ -170,7 +175,8 @@ class Program:
         if not stats["success"] or not np.all(np.isfinite(solution)):
             return None
         omega_B = float(np.exp(solution[-1]) * self.omega_0)
-        return Candidate(self.structure.rounded(solution[:-1], self.omega_0), omega_B, solution[:-1])
+        x = solution[:-1]
+        return Candidate(self.structure.rounded(x, self.omega_0), omega_B, x, self.structure.corner(x, self.omega_0))
 
     def violated(self, candidate: Candidate, finer: Grids) -> tuple[list[float], list[float]]:
         """Where a candidate falls short on a finer grid and around its resonances: ω [rad/s], and fractions of ω_B."""
@@ -197,8 +203,8 @@ class Program:
 
     def resonances(self, candidate: Candidate) -> NDArray[np.float64]:
         """Frequencies around every lightly damped pole of Q and Q̃ or of C, which a fixed grid steps over. [rad/s]."""
-        num, den = self.structure.polynomials(candidate.x)
-        closed = self._characteristic(self.setting.loop.locked(), num, den)
+        _, den = self.structure.polynomials(candidate.x)
+        closed = self._characteristic(self.setting.loop.locked(), *self.compensator(candidate.x))
         poles = np.concatenate([np.roots(np.array(p, dtype=float)) for p in (den, closed)])
         poles = poles[(poles.imag > 0) & (-poles.real < LIGHT * np.abs(poles))]
         widths = np.exp(np.outer(-poles.real / np.abs(poles), RESOLVED))
@@ -210,18 +216,16 @@ class Program:
         loops = [vertex.loop for vertex in self.setting.vertices()]
         pencils = [pencil for loop in loops for pencil in (loop.locked(), loop.free(loop.nominal))]
         routh = [entry for pencil in pencils for entry in self._routh(pencil)]
-        values = [ca.SX(ca.vertcat(*part)) for part in (*self._compensator(self.num, self.den), routh)]
+        values = [ca.SX(ca.vertcat(*part)) for part in (self.num, self.den, routh)]
         return ca.Function("scalars", [self.x], values)
 
-    def _compensator(self, num: Coefficients, den: Coefficients) -> tuple[Coefficients, Coefficients]:
-        """Numerator and denominator of C, Q/(1−Q) or C_imp, from those of the structure."""
-        observer = self.setting.spec.controller.type == "dob"
-        return num, _add(den, [-c for c in num]) if observer else den
+    def compensator(self, x: Any, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
+        """Numerator and denominator of C, with F if it is searched, in p."""
+        return self.structure.compensator(x, self.setting.spec.controller.type == "dob", exp)
 
     def _characteristic(self, pencil: Pencil, num: Coefficients, den: Coefficients) -> Coefficients:
-        """Of the closed loop, in p, from numerator and denominator of the structure."""
-        num, den = self._compensator(num, den)
-        return _add(convolve(self._scaled(pencil.on_den), den), convolve(self._scaled(pencil.on_num), num))
+        """Of the closed loop, in p, from numerator and denominator of C."""
+        return add(convolve(self._scaled(pencil.on_den), den), convolve(self._scaled(pencil.on_num), num))
 
     def _variables(self, setting: Setting, C: Sequence[Any], s: Any, at: Any) -> dict[Variable, Split]:
         """Q, Q̃, L and the command at the frequencies s (Split, in rad/s). C: numerator and denominator, as columns."""
@@ -289,9 +293,3 @@ def _horner(coefficients: Coefficients, p: Split) -> Split:
     for c in coefficients:
         value = value * p + c
     return value  # type: ignore[no-any-return]
-
-
-def _add(p: Coefficients, q: Coefficients) -> Coefficients:
-    n = max(len(p), len(q))
-    p, q = ([0.0] * (n - len(r)) + list(r) for r in (p, q))
-    return [a + b for a, b in zip(p, q, strict=True)]
