@@ -9,7 +9,7 @@ import numpy as np
 
 from ..spec.model import FREE, Spec
 from .corner import Corner
-from .structure import FAR, FORMS, Coefficients, Feedback, QFilter, Structure, convolve, few_digits
+from .structure import FAR, FORMS, Coefficients, Feedback, Filter, QFilter, Structure, few_digits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,11 +50,10 @@ class Filtered(Structure):
         """See `Structure`."""
         return self.family.polynomials(x[1:], exp)
 
-    def compensator(self, x: Any, observer: bool, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
+    def sensor_filter(self, x: Any, exp: Any = np.exp) -> Filter:
         """See `Structure`."""
-        num, den = self.family.compensator(x[1:], observer, exp)
         corner = exp(x[0])
-        return convolve([corner], num), convolve([1.0, corner], den)
+        return [corner], [1.0, corner]
 
     def corner(self, x: NDArray[np.float64], omega_0: float) -> Corner:
         """See `Structure`."""

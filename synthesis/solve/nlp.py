@@ -27,7 +27,7 @@ from .basis import RESOLVED
 from .corner import Corner
 from .places import ADDED, ADDED_BAND, Casadi, Grids, Places, filled, numbered
 from .split import Split
-from .structure import Coefficients, Structure, add, convolve
+from .structure import Coefficients, Filter, Structure, add, convolve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,15 +50,12 @@ REFINING = {"ipopt.mu_init": 1e-5, "ipopt.bound_push": 1e-8, "ipopt.bound_frac":
 
 @dataclass(frozen=True)
 class Candidate:
-    """A controller the search proposes; nothing is proven about it. omega_B [rad/s] is the program's own figure.
-
-    corner: of the sensor filter, where it was free.
-    """
+    """A controller the search proposes; nothing is proven about it. omega_B [rad/s] is the program's own figure."""
 
     coefficients: Polynomials
     omega_B: float
     x: NDArray[np.float64]
-    corner: Corner | None = None
+    corner: Corner | None = None  # of the sensor filter, where it was free
 
 
 @dataclass(frozen=True)
@@ -86,7 +83,8 @@ class Program:
         x, log_band = ca.MX.sym("x", low.size), ca.MX.sym("log_band")
         band = ca.MX.sym("band", first.band.size + ADDED_BAND)
         self.x = ca.SX.sym("x", low.size)
-        self.num, self.den = self.compensator(ca.vertsplit(self.x), exp=ca.exp)
+        self.num, self.den = structure.polynomials(ca.vertsplit(self.x), exp=ca.exp)
+        self.F = structure.sensor_filter(ca.vertsplit(self.x), exp=ca.exp)
         *C, routh = self._scalars()(x)
         self.rows: list[Rows] = []
         expressions, start = [], 0
@@ -203,8 +201,9 @@ class Program:
 
     def resonances(self, candidate: Candidate) -> NDArray[np.float64]:
         """Frequencies around every lightly damped pole of Q and Q̃ or of C, which a fixed grid steps over. [rad/s]."""
-        _, den = self.structure.polynomials(candidate.x)
-        closed = self._characteristic(self.setting.loop.locked(), *self.compensator(candidate.x))
+        num, den = self.structure.polynomials(candidate.x)
+        F = self.structure.sensor_filter(candidate.x)
+        closed = self._characteristic(self.setting.loop.locked(), num, den, F)
         poles = np.concatenate([np.roots(np.array(p, dtype=float)) for p in (den, closed)])
         poles = poles[(poles.imag > 0) & (-poles.real < LIGHT * np.abs(poles))]
         widths = np.exp(np.outer(-poles.real / np.abs(poles), RESOLVED))
@@ -216,15 +215,18 @@ class Program:
         loops = [vertex.loop for vertex in self.setting.vertices()]
         pencils = [pencil for loop in loops for pencil in (loop.locked(), loop.free(loop.nominal))]
         routh = [entry for pencil in pencils for entry in self._routh(pencil)]
-        values = [ca.SX(ca.vertcat(*part)) for part in (self.num, self.den, routh)]
+        values = [ca.SX(ca.vertcat(*part)) for part in (*self._compensator(self.num, self.den, self.F), routh)]
         return ca.Function("scalars", [self.x], values)
 
-    def compensator(self, x: Any, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
-        """Numerator and denominator of C, with F if it is searched, in p."""
-        return self.structure.compensator(x, self.setting.spec.controller.type == "dob", exp)
+    def _compensator(self, num: Coefficients, den: Coefficients, F: Filter) -> tuple[Coefficients, Coefficients]:
+        """Numerator and denominator of C, Q/(1−Q) or C_imp, from those of the structure, times F if it is searched."""
+        observer = self.setting.spec.controller.type == "dob"
+        den = add(den, [-c for c in num]) if observer else den
+        return (num, den) if F is None else (convolve(F[0], num), convolve(F[1], den))
 
-    def _characteristic(self, pencil: Pencil, num: Coefficients, den: Coefficients) -> Coefficients:
-        """Of the closed loop, in p, from numerator and denominator of C."""
+    def _characteristic(self, pencil: Pencil, num: Coefficients, den: Coefficients, F: Filter) -> Coefficients:
+        """Of the closed loop, in p, from numerator and denominator of the structure."""
+        num, den = self._compensator(num, den, F)
         return add(convolve(self._scaled(pencil.on_den), den), convolve(self._scaled(pencil.on_num), num))
 
     def _variables(self, setting: Setting, C: Sequence[Any], s: Any, at: Any) -> dict[Variable, Split]:
@@ -272,7 +274,7 @@ class Program:
 
     def _routh(self, pencil: Pencil) -> list[Any]:
         """First column of Routh's table of a characteristic polynomial, normalised to leading coefficient 1."""
-        p = self._characteristic(pencil, self.num, self.den)
+        p = self._characteristic(pencil, self.num, self.den, self.F)
         p = [c / p[0] for c in p]
         above, row = p[0::2], p[1::2]
         column = [row[0]] if row else []

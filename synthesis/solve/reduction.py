@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .nlp import Program
 
 EVALUATIONS = 60
+NO_FILTER = [1.0], [1.0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,17 +38,19 @@ def reduced(program: Program, ideal: Response, x: NDArray[np.float64]) -> NDArra
     """Parameters from x on, so that Q̃ comes closest to the given one. Returns x itself where no step helps."""
     from scipy.optimize import least_squares
 
-    loop, p = program.setting.loop, 1j * ideal.omega / program.omega_0
+    structure, loop, p = program.structure, program.setting.loop, 1j * ideal.omega / program.omega_0
     forward = loop.actuator.H.at(ideal.omega) * loop.filters.force.at(ideal.omega)
+    observer = program.setting.spec.controller.type == "dob"
 
     def error(x: NDArray[np.float64]) -> NDArray[np.float64]:
-        num, den = (np.polyval(np.array(c, dtype=float), p) for c in program.compensator(x))
-        through = forward * num
-        difference = through / (den + through) - ideal.Q_tilde
+        polynomials = (*structure.polynomials(x), *(structure.sensor_filter(x) or NO_FILTER))
+        num, den, F_num, F_den = (np.polyval(np.array(c, dtype=float), p) for c in polynomials)
+        through = forward * num * F_num
+        difference = through / ((den - num if observer else den) * F_den + through) - ideal.Q_tilde
         both = np.concatenate([difference.real, difference.imag])
         return np.asarray(np.nan_to_num(both, posinf=1e3, neginf=-1e3))
 
-    low, high = program.structure.bounds
+    low, high = structure.bounds
     inside = np.clip(x, low + 1e-9, high - 1e-9)
     with np.errstate(all="ignore"):
         found: NDArray[np.float64] = least_squares(error, inside, bounds=(low, high), max_nfev=EVALUATIONS).x

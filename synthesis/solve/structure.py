@@ -24,6 +24,7 @@ LEAST_DAMPING, MOST_DAMPING = 0.02, 5.0  # of pairs of poles; more damping is a 
 FAR, ZEROS = float(np.log(100.0)), 100.0  # poles within a factor 100 of ω₀; bounds on the coefficients of zeros
 
 Coefficients = list[Any]  # descending powers; floats or symbolic expressions
+Filter = tuple[Coefficients, Coefficients] | None
 
 
 class Structure(ABC):
@@ -51,10 +52,9 @@ class Structure(ABC):
     def polynomials(self, x: Any, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
         """Numerator and denominator in descending powers of p. x: (n,) numbers or symbols."""
 
-    def compensator(self, x: Any, observer: bool, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
-        """Numerator and denominator of C, `Q/(1−Q)` for an observer or C_imp, times F if its corner is searched."""
-        num, den = self.polynomials(x, exp)
-        return num, add(den, [-c for c in num]) if observer else den
+    def sensor_filter(self, x: Any, exp: Any = np.exp) -> Filter:
+        """Numerator and denominator of F in descending powers of p, where its corner is searched, too."""
+        return None
 
     def corner(self, x: NDArray[np.float64], omega_0: float) -> Corner | None:
         """The sensor filter's corner, if it is searched."""

@@ -16,8 +16,8 @@ TOGETHER = (
 )
 ALONE = "only `force` can be free; leave `position` out: θ then has the filter of τ_int, whose corner is found"
 UNPAID = (
-    "nothing in a specification charges for a fast derivative, so a search would only take the highest corner it may; "
-    "give the corner the drive differentiates with"
+    "no constraint charges for a fast derivative, so that what is possible only grows with its corner; "
+    "give the one the drive differentiates with"
 )
 
 
