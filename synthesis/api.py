@@ -103,8 +103,9 @@ def synthesize(
     spec: a specification, or its file. controller: certify this one instead of what the specification asks for: a
     `control.TransferFunction` or a pair (numerator, denominator) of coefficients [rad/s], of Q for a disturbance
     observer, of C_imp for dynamic-error feedback. time_limit [s] bounds the search. starts: controllers of similar
-    joints with their ω_B [rad/s], for the search to begin from as well. shared: what an earlier search on the same
-    joint, of another order, has found. seed: of the random starts; the same seed, the same digits.
+    joints with their ω_B [rad/s], for the search to begin from as well; where the force filter is free, with F in them.
+    shared: what an earlier search on the same joint, of another order, has found. seed: of the random starts; the same
+    seed, the same digits.
 
     Raises: InfeasibleError with the constraint and frequency; UndecidedError when the search ends without a proven
     controller; InputError for what cannot be used; RobimpError when prover, checker and simulation disagree.

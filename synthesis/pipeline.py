@@ -32,9 +32,11 @@ from .spec.model import Polynomials, Spec
 
 if TYPE_CHECKING:
     from .solve.bound import Bound
+    from .solve.corner import Corner
+    from .solve.nlp import Candidate
 
 Progress = Callable[[str], None]
-Proofs = dict[Polynomials, tuple[Claim, ...]]  # claims about controllers that the search has had certified
+Proofs = dict[tuple[Spec, Polynomials], tuple[Claim, ...]]  # about controllers that the search has had certified
 
 FLOAT_DECADES = 1e9  # ratio of frequencies beyond which poles in floating point mean little
 SMALLEST, LARGEST = Fraction(1, 2**126), (2 - Fraction(1, 2**23)) * 2**127  # normal numbers of single precision
@@ -44,7 +46,7 @@ SMALLEST, LARGEST = Fraction(1, 2**126), (2 - Fraction(1, 2**23)) * 2**127  # no
 class Result:
     """A certified controller: what was found, what was proven, what the checker and the simulation said of it."""
 
-    spec: Spec
+    spec: Spec  # with the number that was found in the place of a free corner
     coefficients: Polynomials
     claims: tuple[Claim, ...]
     bound: Bound | None
@@ -55,6 +57,7 @@ class Result:
     agreement: Agreement
     sampled: SampledComparison
     seconds: float
+    corner: Corner | None = None  # that number
 
     @property
     def outcome(self) -> Outcome:
@@ -128,12 +131,14 @@ def synthesize(
     proofs: Proofs = {}
     if spec.controller.coefficients is None:
         deadline = None if time_limit is None else began + time_limit
-        coefficients, limit = _search(setting, progress, deadline, starts, shared, seed, proofs)
+        candidate, limit = _search(setting, progress, deadline, starts, shared, seed, proofs)
+        coefficients, corner = candidate.coefficients, candidate.corner
     else:
-        coefficients, limit = spec.controller.coefficients, None
-    C = realizable(setting, coefficients)
+        coefficients, corner, limit = spec.controller.coefficients, None, None
+    setting = setting.resolved(None if corner is None else corner.omega)
+    spec, C = setting.spec, realizable(setting, coefficients)
     progress("proving every claim on the whole axis")
-    claims = proofs.get(coefficients) or certify(setting, C)
+    claims = proofs.get((spec, coefficients)) or certify(setting, C)
     bound = None if limit is None or not limit.limited else Fraction(f"{limit.omega_B:.6g}")
     progress("re-checking the certificate independently")
     claims, certificate, checked, checking = recheck(
@@ -165,7 +170,7 @@ def synthesize(
     demand_none()
     seconds = time.monotonic() - began
     return Result(
-        spec, coefficients, claims, limit, certificate, checked, checking, trials, agreement, sampled, seconds
+        spec, coefficients, claims, limit, certificate, checked, checking, trials, agreement, sampled, seconds, corner
     )
 
 
@@ -233,7 +238,7 @@ def _search(
     shared: Shared | None,
     seed: int,
     proofs: Proofs,
-) -> tuple[Polynomials, Bound | None]:
+) -> tuple[Candidate, Bound | None]:
     from .solve.bound import bound
     from .solve.infeasible import impossible
     from .solve.search import Search
@@ -272,17 +277,18 @@ def _search(
         limit = bound(setting, 2 * limit.terms, progress)
         limit = limit if limit is not None and limit.omega_B >= found.candidate.omega_B else None
         shared.bound = limit
-    return found.candidate.coefficients, limit
+    return found.candidate, limit
 
 
-def _refuting(setting: Setting, c: Polynomials, omega_B: float, proofs: Proofs) -> tuple[Counterexample, ...]:
+def _refuting(setting: Setting, c: Candidate, omega_B: float, proofs: Proofs) -> tuple[Counterexample, ...]:
     """Where the required claims fail; on cells a margin is harder to prove than the level, so all claims are asked."""
-    C = setting.compensator(c)
+    setting = setting.resolved(None if c.corner is None else c.corner.omega)
+    C = setting.compensator(c.coefficients)
     found = counterexamples(setting, C, omega_B)
     if found or setting.polynomial:
         return found
-    proofs[c] = certify(setting, C)
-    short = (claim.id for claim in proofs[c] if claim.required and claim.status is not Outcome.PROVEN)
+    claims = proofs[setting.spec, c.coefficients] = certify(setting, C)
+    short = (claim.id for claim in claims if claim.required and claim.status is not Outcome.PROVEN)
     return tuple(Counterexample(id, inf, False) for id in short)
 
 

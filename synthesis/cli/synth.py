@@ -94,7 +94,9 @@ def _synth_orders(
         discard(*(folder / name for name in ("report.html", "orders.json", "orders.svg")))
         results[f"{place.name}/certificate.json"] = result
         write_atomic(place / "certificate.json", result.certificate_bytes())
-        rows.append(OfOrder(order, float(result.omega_B), time.monotonic() - began, check_limit=result.check_limit))
+        corner = None if result.corner is None else float(result.corner.omega)
+        seconds = time.monotonic() - began
+        rows.append(OfOrder(order, float(result.omega_B), seconds, "", result.check_limit, corner))
         codes.append(result.exit_code)
     limit = shared.bound.omega_B if shared.bound is not None and shared.bound.limited else None
     write_atomic(folder / "orders.json", dumped(listed(rows, limit)).encode())
@@ -156,13 +158,15 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, s
 
 
 def _say_less(result: Result) -> None:
-    """A search that found a controller of lower order than was asked for."""
+    """A search that found a controller of lower order than was asked for, or a corner at the end of those searched."""
     controller, found = result.spec.controller, len(result.coefficients.denominator) - 1
     if controller.coefficients is None and controller.order is not None and found < controller.order:
         say(
             f"note: order {controller.order} was asked for, and of that order nothing was proven: this controller has "
             f"order {found}; another --seed may find more"
         )
+    if result.corner is not None and result.corner.note:
+        say(f"note: controller.filters.force: {result.corner.note}")
 
 
 def _say_slow(file: Path, result: Result) -> None:

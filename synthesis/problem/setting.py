@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property
 from itertools import product
 from typing import Any
@@ -14,11 +15,12 @@ from ...models.actuator import IDEAL, SeriesElastic, TwoPort, torque_loop
 from ...models.closed_loop import ImpedanceLoop
 from ...models.controller import Compensator, Filters, disturbance_observer, dynamic_error_feedback, low_pass
 from ...models.impedance import DynamicStiffness, LoadBox
-from ...models.rational import ONE, RationalFunction, exact, polynomial
+from ...models.rational import ONE, RationalFunction, descending, exact, polynomial
 from ...models.sampling import Hold
 from ...models.uncertainty import Table, Uncertainty
+from ..spec.free_corner import resolved
+from ..spec.model import FREE, Interval, Polynomials, SeriesElasticActuator, Spec, TwoPortActuator
 from ..spec.model import Filters as FilterSpec
-from ..spec.model import Interval, Polynomials, SeriesElasticActuator, Spec, TwoPortActuator
 from .variable import Variable
 
 LOAD = ("inertia", "damping", "stiffness")
@@ -91,6 +93,11 @@ class Setting:
             loop = replace(loop, actuator=replace(elastic.two_port, hold=loop.actuator.hold))
         return replace(self, loop=loop, elastic=elastic)
 
+    def resolved(self, corner: Fraction | None) -> Setting:
+        """This setting with a corner [rad/s] in the place of a free one. Raises: InputError where one is missing."""
+        spec = resolved(self.spec, corner)
+        return self if spec is self.spec else Setting.of(spec)
+
     def held(self, hold: Hold | None) -> Setting:
         """This setting with another hold between command and actuator, or without."""
         return replace(self, loop=replace(self.loop, actuator=replace(self.loop.actuator, hold=hold)))
@@ -102,6 +109,12 @@ class Setting:
     def compensator(self, coefficients: Polynomials) -> Compensator:
         """The compensator C a controller's coefficients (of Q or of C_imp) stand for."""
         return self.build(polynomial(coefficients.numerator), polynomial(coefficients.denominator))
+
+    def unfiltered(self, coefficients: Polynomials) -> Polynomials:
+        """The Q or C_imp that does without F what the given one does behind it."""
+        C, loop = self.compensator(coefficients), self.loop
+        same = loop.Q_ideal(C) if self.spec.controller.type == "dob" else C.rational * loop.filters.force
+        return Polynomials(numerator=descending(same.num), denominator=descending(same.den))
 
     def variable(self, which: Variable, C: Compensator) -> Any:
         """What a constraint is about, for one compensator."""
@@ -166,8 +179,10 @@ def _transfers(actuator: TwoPortActuator) -> tuple[Polynomials, Polynomials]:
 
 
 def _filters(spec: FilterSpec) -> Filters:
+    """Models of the filters; of a free one, which the search multiplies to C, nothing is known yet: 1."""
+
     def first_order(corner: object) -> RationalFunction:
-        return ONE if corner is None or corner == "none" else low_pass(corner)  # type: ignore[arg-type]
+        return ONE if corner in (None, "none", FREE) else low_pass(corner)  # type: ignore[arg-type]
 
     position = None if spec.position is None else first_order(spec.position)
     return Filters(first_order(spec.force), position, first_order(spec.derivative))

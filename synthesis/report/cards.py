@@ -31,6 +31,8 @@ def result_card(result: Result) -> str:
     if result.bound is not None and result.bound.limited:
         rows.append(("bound, of a solver", f"{result.bound.omega_B:.4g} rad/s"))
     rows.append(("Q(s)" if result.Q is not None else "C_imp(s)", str(result.coefficients)))
+    if result.corner is not None:
+        rows.append(("force filter found", f"{decimal(result.corner.omega)} rad/s"))
     claims = HEADINGS, [cells(claim, result.spec.motion) for claim in result.claims]
     return card(result.spec.name, result.outcome.name, tone(result.exit_code), rows, claims)
 

@@ -15,13 +15,17 @@ WIDTH = 50  # characters of the longest bar
 
 @dataclass(frozen=True)
 class OfOrder:
-    """What came of one order: proven ω_B [rad/s], or why there is none; the time limit to check it with [s]."""
+    """What came of one order: proven ω_B [rad/s], or why there is none; the time limit to check it with [s].
+
+    force_filter: the corner [rad/s] that was found, where it was free.
+    """
 
     order: int
     omega_B: float | None
     seconds: float
     reason: str = ""
     check_limit: int | None = None
+    force_filter: float | None = None
 
 
 def listed(rows: Sequence[OfOrder], bound: float | None) -> dict[str, Any]:
@@ -39,7 +43,8 @@ def show_orders(rows: Sequence[OfOrder], bound: float | None, to: Console) -> No
             continue
         share = "" if bound is None else f"{100 * row.omega_B / bound:.1f} %"
         bar = "█" * round(WIDTH * row.omega_B / top)
-        to.print(f"{row.order:>5}   {row.omega_B:>10.4f}   {share:>12}  {bar}  {row.seconds:.1f} s")
+        behind = "" if row.force_filter is None else f", force filter {row.force_filter:.6g} rad/s"
+        to.print(f"{row.order:>5}   {row.omega_B:>10.4f}   {share:>12}  {bar}  {row.seconds:.1f} s{behind}")
     if bound is not None:
         to.print(f"bound   {bound:>10.4f}                 {'░' * round(WIDTH * bound / top)}")
 

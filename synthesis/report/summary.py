@@ -9,13 +9,14 @@ if TYPE_CHECKING:
 
 
 def summary(result: Result) -> dict[str, Any]:
-    """Outcome, bandwidth and bound [rad/s], and every claim's status."""
+    """Outcome, bandwidth, bound, the force filter's corner where it was free [rad/s], and every claim's status."""
     return {
         "exit_code": int(result.exit_code),
         "outcome": result.outcome.value,
         "omega_B": float(result.omega_B),
         "bound": result.bound.omega_B if result.bound is not None and result.bound.limited else None,
         "seconds": result.seconds,
+        "force_filter": None if result.corner is None else float(result.corner.omega),
         "check": {"seconds": result.check_seconds, "time_limit": result.check_limit},
         "claims": [
             {"id": c.id, "form": c.form, "required": c.required, "status": c.status.value} for c in result.claims

@@ -32,6 +32,8 @@ def show(result: Result, to: Console) -> None:
     colour = COLOUR[result.outcome]
     to.print(f"[bold {colour}]{result.outcome.name}[/]  {result.spec.name}  {_headline(result)}")
     to.print(_controller(result))
+    if result.corner is not None:
+        to.print(f"force filter {decimal(result.corner.omega)} rad/s, found with it")
     to.print(claims_table(result.claims, result.spec.motion))
     _show_bode(result, to)
     agreement, sampled = result.agreement, result.sampled

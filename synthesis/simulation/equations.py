@@ -85,12 +85,12 @@ def controller_equations(spec: Spec, compensator: Compensator) -> list[Block]:
     if filters.position is None:  # one filter on the dynamic error, not two copies of it
         error = [
             combination("raw_error", tau_int=1, wish=-1),
-            low_pass("error", "raw_error", filters.force),
+            low_pass("error", "raw_error", filters.force_corner),
         ]
     else:
         corner = None if filters.position == "none" else filters.position
         error = [
-            low_pass("filtered_tau_int", "tau_int", filters.force),
+            low_pass("filtered_tau_int", "tau_int", filters.force_corner),
             low_pass("filtered_wish", "wish", corner),
             combination("error", filtered_tau_int=1, filtered_wish=-1),
         ]

@@ -18,6 +18,7 @@ import numpy as np
 from ..errors import UndecidedError
 from ..problem.grid import frequency_scale, grid
 from ..problem.setting import Setting
+from ..spec.model import FREE
 from .band import BandProgram, Binding
 from .basis import Basis
 from .cone import Failure
@@ -131,5 +132,10 @@ def _undecided(failure: Failure, terms: int) -> UndecidedError:
 
 
 def _roll_off(setting: Setting) -> int:
-    """Relative degree of `Q̃/H` that a controller can have."""
-    return 2 if setting.spec.controller.type == "dob" else max(0, setting.loop.filters.force.relative_degree)
+    """Relative degree of `Q̃/H` that a controller can have; of a filter that is free like that of any given one.
+
+    Behind a filter C may be anything proper, so Q̃ is the same set whatever the corner is.
+    """
+    if setting.spec.controller.type == "dob":
+        return 2
+    return 1 if setting.spec.controller.filters.force == FREE else max(0, setting.loop.filters.force.relative_degree)

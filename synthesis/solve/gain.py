@@ -16,9 +16,10 @@ from ..problem.constraints.inequality import Variable
 from ..problem.grid import frequency_scale
 from ..problem.setting import Setting
 from .conflict import Group, groups_of
+from .filtered import structure_of
 from .plane import ROUNDING, Demand, Disc, Plane
 from .reason import Impossible, name
-from .structure import Classical, Feedback, structure_of
+from .structure import Classical, Feedback
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

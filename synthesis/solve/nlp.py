@@ -24,9 +24,10 @@ from ..problem.grid import Evaluator
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
 from .basis import RESOLVED
+from .corner import Corner
 from .places import ADDED, ADDED_BAND, Casadi, Grids, Places, filled, numbered
 from .split import Split
-from .structure import Coefficients, Structure, convolve
+from .structure import Coefficients, Filter, Structure, add, convolve
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -54,6 +55,7 @@ class Candidate:
     coefficients: Polynomials
     omega_B: float
     x: NDArray[np.float64]
+    corner: Corner | None = None  # of the sensor filter, where it was free
 
 
 @dataclass(frozen=True)
@@ -82,6 +84,7 @@ class Program:
         band = ca.MX.sym("band", first.band.size + ADDED_BAND)
         self.x = ca.SX.sym("x", low.size)
         self.num, self.den = structure.polynomials(ca.vertsplit(self.x), exp=ca.exp)
+        self.F = structure.sensor_filter(ca.vertsplit(self.x), exp=ca.exp)
         *C, routh = self._scalars()(x)
         self.rows: list[Rows] = []
         expressions, start = [], 0
@@ -170,7 +173,8 @@ class Program:
         if not stats["success"] or not np.all(np.isfinite(solution)):
             return None
         omega_B = float(np.exp(solution[-1]) * self.omega_0)
-        return Candidate(self.structure.rounded(solution[:-1], self.omega_0), omega_B, solution[:-1])
+        x = solution[:-1]
+        return Candidate(self.structure.rounded(x, self.omega_0), omega_B, x, self.structure.corner(x, self.omega_0))
 
     def violated(self, candidate: Candidate, finer: Grids) -> tuple[list[float], list[float]]:
         """Where a candidate falls short on a finer grid and around its resonances: ω [rad/s], and fractions of ω_B."""
@@ -198,7 +202,8 @@ class Program:
     def resonances(self, candidate: Candidate) -> NDArray[np.float64]:
         """Frequencies around every lightly damped pole of Q and Q̃ or of C, which a fixed grid steps over. [rad/s]."""
         num, den = self.structure.polynomials(candidate.x)
-        closed = self._characteristic(self.setting.loop.locked(), num, den)
+        F = self.structure.sensor_filter(candidate.x)
+        closed = self._characteristic(self.setting.loop.locked(), num, den, F)
         poles = np.concatenate([np.roots(np.array(p, dtype=float)) for p in (den, closed)])
         poles = poles[(poles.imag > 0) & (-poles.real < LIGHT * np.abs(poles))]
         widths = np.exp(np.outer(-poles.real / np.abs(poles), RESOLVED))
@@ -210,18 +215,19 @@ class Program:
         loops = [vertex.loop for vertex in self.setting.vertices()]
         pencils = [pencil for loop in loops for pencil in (loop.locked(), loop.free(loop.nominal))]
         routh = [entry for pencil in pencils for entry in self._routh(pencil)]
-        values = [ca.SX(ca.vertcat(*part)) for part in (*self._compensator(self.num, self.den), routh)]
+        values = [ca.SX(ca.vertcat(*part)) for part in (*self._compensator(self.num, self.den, self.F), routh)]
         return ca.Function("scalars", [self.x], values)
 
-    def _compensator(self, num: Coefficients, den: Coefficients) -> tuple[Coefficients, Coefficients]:
-        """Numerator and denominator of C, Q/(1−Q) or C_imp, from those of the structure."""
+    def _compensator(self, num: Coefficients, den: Coefficients, F: Filter) -> tuple[Coefficients, Coefficients]:
+        """Numerator and denominator of C, Q/(1−Q) or C_imp, from those of the structure, times F if it is searched."""
         observer = self.setting.spec.controller.type == "dob"
-        return num, _add(den, [-c for c in num]) if observer else den
+        den = add(den, [-c for c in num]) if observer else den
+        return (num, den) if F is None else (convolve(F[0], num), convolve(F[1], den))
 
-    def _characteristic(self, pencil: Pencil, num: Coefficients, den: Coefficients) -> Coefficients:
+    def _characteristic(self, pencil: Pencil, num: Coefficients, den: Coefficients, F: Filter) -> Coefficients:
         """Of the closed loop, in p, from numerator and denominator of the structure."""
-        num, den = self._compensator(num, den)
-        return _add(convolve(self._scaled(pencil.on_den), den), convolve(self._scaled(pencil.on_num), num))
+        num, den = self._compensator(num, den, F)
+        return add(convolve(self._scaled(pencil.on_den), den), convolve(self._scaled(pencil.on_num), num))
 
     def _variables(self, setting: Setting, C: Sequence[Any], s: Any, at: Any) -> dict[Variable, Split]:
         """Q, Q̃, L and the command at the frequencies s (Split, in rad/s). C: numerator and denominator, as columns."""
@@ -268,7 +274,7 @@ class Program:
 
     def _routh(self, pencil: Pencil) -> list[Any]:
         """First column of Routh's table of a characteristic polynomial, normalised to leading coefficient 1."""
-        p = self._characteristic(pencil, self.num, self.den)
+        p = self._characteristic(pencil, self.num, self.den, self.F)
         p = [c / p[0] for c in p]
         above, row = p[0::2], p[1::2]
         column = [row[0]] if row else []
@@ -289,9 +295,3 @@ def _horner(coefficients: Coefficients, p: Split) -> Split:
     for c in coefficients:
         value = value * p + c
     return value  # type: ignore[no-any-return]
-
-
-def _add(p: Coefficients, q: Coefficients) -> Coefficients:
-    n = max(len(p), len(q))
-    p, q = ([0.0] * (n - len(r)) + list(r) for r in (p, q))
-    return [a + b for a, b in zip(p, q, strict=True)]

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .nlp import Program
 
 EVALUATIONS = 60
+NO_FILTER = [1.0], [1.0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,9 +43,10 @@ def reduced(program: Program, ideal: Response, x: NDArray[np.float64]) -> NDArra
     observer = program.setting.spec.controller.type == "dob"
 
     def error(x: NDArray[np.float64]) -> NDArray[np.float64]:
-        num, den = (np.polyval(np.array(c, dtype=float), p) for c in structure.polynomials(x))
-        through = forward * num
-        difference = through / ((den - num if observer else den) + through) - ideal.Q_tilde
+        polynomials = (*structure.polynomials(x), *(structure.sensor_filter(x) or NO_FILTER))
+        num, den, F_num, F_den = (np.polyval(np.array(c, dtype=float), p) for c in polynomials)
+        through = forward * num * F_num
+        difference = through / ((den - num if observer else den) * F_den + through) - ideal.Q_tilde
         both = np.concatenate([difference.real, difference.imag])
         return np.asarray(np.nan_to_num(both, posinf=1e3, neginf=-1e3))
 

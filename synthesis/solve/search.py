@@ -19,10 +19,11 @@ from ..interruption import demand_none
 from ..problem.grid import frequency_scale
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
+from .filtered import structure_of
 from .nlp import Candidate, Program
 from .places import Grids
 from .reduction import Response, reduced
-from .structure import Structure, structure_of
+from .structure import Structure
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -57,7 +58,7 @@ class Counterexample(Protocol):
     def on_band(self) -> bool: ...  # noqa: D102
 
 
-Refute = Callable[[Polynomials, float], Sequence[Counterexample]]  # coefficients, ω_B → () when all required is proven
+Refute = Callable[[Candidate, float], Sequence[Counterexample]]  # candidate, ω_B → () when all required is proven
 Progress = Callable[[str], None]
 
 
@@ -242,7 +243,7 @@ class Search:
         total = 0
         for rounds in range(1, ROUNDS + 1):
             self._in_time()
-            refuting = self.refute(candidate.coefficients, REACHED * candidate.omega_B)
+            refuting = self.refute(candidate, REACHED * candidate.omega_B)
             if not refuting:
                 return Found(candidate, rounds, total)
             total += len(refuting)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..spec.model import Polynomials, Spec
+from ..spec.model import Polynomials
+from .corner import Corner
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,6 +24,7 @@ LEAST_DAMPING, MOST_DAMPING = 0.02, 5.0  # of pairs of poles; more damping is a 
 FAR, ZEROS = float(np.log(100.0)), 100.0  # poles within a factor 100 of ω₀; bounds on the coefficients of zeros
 
 Coefficients = list[Any]  # descending powers; floats or symbolic expressions
+Filter = tuple[Coefficients, Coefficients] | None
 
 
 class Structure(ABC):
@@ -50,6 +52,14 @@ class Structure(ABC):
     def polynomials(self, x: Any, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
         """Numerator and denominator in descending powers of p. x: (n,) numbers or symbols."""
 
+    def sensor_filter(self, x: Any, exp: Any = np.exp) -> Filter:
+        """Numerator and denominator of F in descending powers of p, where its corner is searched, too."""
+        return None
+
+    def corner(self, x: NDArray[np.float64], omega_0: float) -> Corner | None:
+        """The sensor filter's corner, if it is searched."""
+        return None
+
     def rounded(self, x: NDArray[np.float64], omega_0: float) -> Polynomials:
         """The controller as it will be shipped: coefficients of s with few digits, exactly what is then certified."""
         num, den = self.polynomials(x)
@@ -60,9 +70,12 @@ class Structure(ABC):
 def _in_s(coefficients: Coefficients, top: int, omega_0: float) -> tuple[Fraction, ...]:
     """Coefficients of `ω₀^top · poly(s/ω₀)`, rounded."""
     powers = range(len(coefficients) - 1, -1, -1)
-    return tuple(
-        Fraction(f"{float(c) * omega_0 ** (top - k):.{DIGITS - 1}e}") for c, k in zip(coefficients, powers, strict=True)
-    )
+    return tuple(few_digits(float(c) * omega_0 ** (top - k)) for c, k in zip(coefficients, powers, strict=True))
+
+
+def few_digits(value: float) -> Fraction:
+    """A number as it is shipped."""
+    return Fraction(f"{value:.{DIGITS - 1}e}")
 
 
 @dataclass(frozen=True)
@@ -225,14 +238,6 @@ FORMS |= {
 }
 
 
-def structure_of(spec: Spec) -> Structure:
-    """The structure a specification asks for; it has `order` or `form`."""
-    controller = spec.controller
-    if controller.form is not None:
-        return FORMS[controller.form]
-    return (QFilter if controller.type == "dob" else Feedback)(controller.order or 0)
-
-
 def convolve(p: Coefficients, q: Coefficients) -> Coefficients:
     """Product of two polynomials, numbers or symbols."""
     product: Coefficients = [0.0] * (len(p) + len(q) - 1)
@@ -240,3 +245,10 @@ def convolve(p: Coefficients, q: Coefficients) -> Coefficients:
         for j, b in enumerate(q):
             product[i + j] = product[i + j] + a * b
     return product
+
+
+def add(p: Coefficients, q: Coefficients) -> Coefficients:
+    """Sum of two polynomials, numbers or symbols."""
+    n = max(len(p), len(q))
+    p, q = ([0.0] * (n - len(r)) + list(r) for r in (p, q))
+    return [a + b for a, b in zip(p, q, strict=True)]

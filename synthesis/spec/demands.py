@@ -7,6 +7,7 @@ from typing import Literal, cast
 
 from ..errors import Location
 from .fields import above, described, entries, integer, non_negative, polynomials, require, word
+from .filters import filters
 from .model import (
     FORMS,
     Constraints,
@@ -47,7 +48,9 @@ def controller(node: Node) -> Controller:
         order=_order(section["order"], kind) if "order" in section else None,
         form=word(section["form"], *FORMS[kind]) if "form" in section else None,
         coefficients=_given(section["coefficients"], kind) if "coefficients" in section else None,
-        filters=_filters(section["filters"]) if "filters" in section else Filters(),
+        filters=filters(section["filters"], coefficients="coefficients" in section)
+        if "filters" in section
+        else Filters(),
     )
 
 
@@ -107,21 +110,6 @@ def demand_realizable(given: Polynomials, kind: str, where: Location) -> None:
         "expected Q(∞) ≠ 1; found Q(∞) = 1, so that C = Q/(1−Q) is not proper; lower the numerator's degree",
         where,
     )
-
-
-def _filters(node: Node) -> Filters:
-    section = entries(node, optional=("force", "position", "derivative"))
-    position = section.get("position")
-    unfiltered = isinstance(position, Scalar) and position.text == "none"
-    return Filters(
-        force=_corner(section.get("force")),
-        position="none" if unfiltered else _corner(position),
-        derivative=_corner(section.get("derivative")),
-    )
-
-
-def _corner(node: Node | None) -> Fraction | None:
-    return None if node is None else above(node, 0, FREQUENCY)
 
 
 def _eq12(node: Node, units: Mechanics, uncertainty: Uncertainty | None) -> Eq12:

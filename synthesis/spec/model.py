@@ -167,15 +167,26 @@ class Impedance(Section):
     stiffness: Fraction | Interval
 
 
+FREE: Literal["free"] = "free"  # a corner that the search chooses
+
+
 class Filters(Section):
     """First-order sensor filters `1/(1 + s/corner)`; None: unfiltered. `position` None: the same filter as `force`.
 
     `force` filters τ_int, `position` θ in the dynamic error, `derivative` is F_d of the inner compensation (20).
+    `force` FREE: the search chooses the corner of one filter on the whole dynamic error (`position` is None).
     """
 
-    force: Fraction | None = None
+    force: Fraction | Literal["free"] | None = None
     position: Fraction | Literal["none"] | None = None
     derivative: Fraction | None = None
+
+    @property
+    def force_corner(self) -> Fraction | None:
+        """Corner of F [rad/s], None without. Raises: ValueError while it is free, and there is no F yet."""
+        if self.force == FREE:
+            raise ValueError("controller.filters.force: is free; only a search gives it a corner")
+        return self.force
 
 
 FORMS = {"dob": ("eq23",), "dynamic-feedback": ("p", "pi", "lead-lag", "pi-lead")}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .model import FORMS
+from .model import FORMS, FREE
 from .schema_terms import (
     Schema,
     mechanical,
@@ -25,7 +25,10 @@ def controller() -> Schema:
         "first-order sensor filters 1/(1 + s/corner); absent: unfiltered",
         {},
         {
-            "force": {**corner, "description": f"corner of F on τ_int; {units(FREQUENCY)}"},
+            "force": {
+                "anyOf": [{"const": FREE}, corner],
+                "description": f"corner of F on τ_int; free: found with the controller; {units(FREQUENCY)}",
+            },
             "position": {"anyOf": [{"const": "none"}, corner], "description": "F on θ; absent: the same as force"},
             "derivative": {**corner, "description": f"corner of F_d, (20); {units(FREQUENCY)}"},
         },

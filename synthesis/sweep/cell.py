@@ -35,10 +35,11 @@ BY_CODE = {
 
 @dataclass(frozen=True)
 class Start:
-    """A neighbour's controller, and its bandwidth [rad/s]."""
+    """A neighbour's controller, its bandwidth [rad/s], and the corner of its force filter [rad/s] if that was free."""
 
     coefficients: Polynomials
     omega_B: Fraction
+    corner: Fraction | None = None
 
 
 @dataclass(frozen=True)
@@ -62,13 +63,14 @@ class Cell:
     reason: str = ""
     seconds: float = 0.0
     coefficients: Polynomials | None = None
+    corner: Fraction | None = None  # of the force filter, where it was free [rad/s]
 
     @property
     def start(self) -> Start | None:
         """What a neighbour's search may start from."""
         if self.coefficients is None or self.omega_B is None:
             return None
-        return Start(self.coefficients, self.omega_B)
+        return Start(self.coefficients, self.omega_B, self.corner)
 
     def to_json(self) -> dict[str, Any]:
         """As a line of the journal; numbers that matter are exact text."""
@@ -80,13 +82,14 @@ class Cell:
             "reason": self.reason,
             "seconds": round(self.seconds, 3),
             "coefficients": None if self.coefficients is None else _plain(self.coefficients),
+            "force_filter": None if self.corner is None else number_text(self.corner),
         }
 
     @classmethod
     def from_json(cls, line: dict[str, Any]) -> Cell:
         """The inverse. Raises: KeyError, TypeError, ValueError or AttributeError for anything else."""
         i, j = line["cell"]
-        given = line["coefficients"]
+        given, corner = line["coefficients"], line.get("force_filter")  # a younger key: older journals go on
         return cls(
             (int(i), int(j)),
             Status(line["status"]),
@@ -95,6 +98,7 @@ class Cell:
             str(line["reason"]),
             float(line["seconds"]),
             None if given is None else Polynomials(**{k: tuple(map(Fraction, v)) for k, v in given.items()}),
+            None if corner is None else Fraction(corner),
         )
 
 
@@ -115,8 +119,7 @@ def solve_cell(task: Task) -> tuple[Cell, bytes | None]:
         return Cell(task.index, status, None, cause, reason, time.monotonic() - began), None
 
     try:
-        starts = () if task.start is None else ((task.start.coefficients, float(task.start.omega_B)),)
-        result = synthesize(task.spec, time_limit=task.time_limit, starts=starts)
+        result = synthesize(task.spec, time_limit=task.time_limit, starts=_starts(task.spec, task.start))
     except InfeasibleError as error:
         return failed(Status.INFEASIBLE, error.what or "infeasible", str(error))
     except RobimpError as error:
@@ -127,11 +130,24 @@ def solve_cell(task: Task) -> tuple[Cell, bytes | None]:
     return _answer(task, result, time.monotonic() - began)
 
 
+def _starts(spec: Spec, start: Start | None) -> tuple[tuple[Polynomials, float], ...]:
+    """For a free filter the neighbour's controller with its own in it: the search begins from what the two do."""
+    if start is None:
+        return ()
+    given = start.coefficients
+    if start.corner is not None:
+        from ..problem.setting import Setting
+
+        given = Setting.of(spec).resolved(start.corner).unfiltered(given)
+    return ((given, float(start.omega_B)),)
+
+
 def _answer(task: Task, result: Result, seconds: float) -> tuple[Cell, bytes | None]:
     from ..certificate.outcome import Outcome
 
     if result.outcome is Outcome.PROVEN:
-        cell = Cell(task.index, Status.PROVEN, result.omega_B, "", "", seconds, result.coefficients)
+        corner = None if result.corner is None else result.corner.omega
+        cell = Cell(task.index, Status.PROVEN, result.omega_B, "", "", seconds, result.coefficients, corner)
         return cell, result.certificate_bytes()
     short = [c for c in result.claims if c.required and c.status is not Outcome.PROVEN]
     status = Status.REFUTED if result.outcome is Outcome.REFUTED else Status.UNDECIDED

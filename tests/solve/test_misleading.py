@@ -14,9 +14,9 @@ from robimp.synthesis.certificate.claims import Counterexample, counterexamples
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.pipeline import synthesize
 from robimp.synthesis.problem.setting import Setting
+from robimp.synthesis.solve.nlp import Candidate
 from robimp.synthesis.solve.search import Search
 from robimp.synthesis.spec import load_spec, parse_spec
-from robimp.synthesis.spec.model import Polynomials
 
 search_module = import_module("robimp.synthesis.solve.search")
 compute_bound = import_module("robimp.synthesis.solve.bound").bound
@@ -25,8 +25,8 @@ ROOT = Path(__file__).parents[2]
 EQ23 = ("order: 4", "form: eq23")
 
 
-def proof(joint: Setting) -> Callable[[Polynomials, float], Sequence[Counterexample]]:
-    return lambda coefficients, omega_B: counterexamples(joint, joint.compensator(coefficients), omega_B)
+def proof(joint: Setting) -> Callable[[Candidate, float], Sequence[Counterexample]]:
+    return lambda c, omega_B: counterexamples(joint, joint.compensator(c.coefficients), omega_B)
 
 
 def test_what_nothing_limits_is_not_given_a_figure() -> None:

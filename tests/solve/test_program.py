@@ -17,10 +17,10 @@ from robimp.synthesis.problem.constraints import constraints
 from robimp.synthesis.problem.constraints.inequality import Role
 from robimp.synthesis.problem.grid import Evaluator
 from robimp.synthesis.problem.setting import Setting
+from robimp.synthesis.solve.filtered import structure_of
 from robimp.synthesis.solve.nlp import Candidate, Program
 from robimp.synthesis.solve.places import ADDED, FIRST_BACK_OFF, Grids, Places, numbered
 from robimp.synthesis.solve.split import Split
-from robimp.synthesis.solve.structure import structure_of
 from robimp.synthesis.spec import parse_spec
 from robimp.synthesis.spec.model import Polynomials
 

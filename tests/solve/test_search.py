@@ -17,7 +17,7 @@ from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.errors import UndecidedError
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.solve.infeasible import impossible
-from robimp.synthesis.solve.nlp import Program
+from robimp.synthesis.solve.nlp import Candidate, Program
 from robimp.synthesis.solve.places import Grids
 from robimp.synthesis.solve.reduction import Response, reduced
 from robimp.synthesis.solve.search import REACHED, Found, Optima, Refute, Search
@@ -65,6 +65,11 @@ def searched(
     return Search(joint, refute, 15.0, progress, deadline=deadline).run()
 
 
+def failing(joint: Setting, c: Candidate, omega_B: float) -> Sequence[Counterexample]:
+    """The proof, as the search asks for it."""
+    return counterexamples(joint, joint.compensator(c.coefficients), omega_B)
+
+
 def proven(joint: Setting, found: Found) -> bool:
     """Whether the exact proof confirms what the search says, up to the share of ω_B it promises."""
     claims = certify(joint, joint.compensator(found.candidate.coefficients))
@@ -77,8 +82,8 @@ def test_counterexamples_repair_what_a_coarse_grid_gets_wrong(monkeypatch: pytes
     joint = setting(EQ23)
     asked: list[Sequence[Counterexample]] = []
 
-    def refute(coefficients: Polynomials, omega_B: float) -> Sequence[Counterexample]:
-        asked.append(counterexamples(joint, joint.compensator(coefficients), omega_B))
+    def refute(c: Candidate, omega_B: float) -> Sequence[Counterexample]:
+        asked.append(counterexamples(joint, joint.compensator(c.coefficients), omega_B))
         return asked[-1]
 
     said: list[str] = []
@@ -106,7 +111,7 @@ def test_without_counterexamples_the_coarse_candidate_is_wrong(monkeypatch: pyte
 def test_a_proof_that_never_comes_ends_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
 
-    def never(coefficients: Polynomials, omega_B: float) -> Sequence[Counterexample]:
+    def never(c: Candidate, omega_B: float) -> Sequence[Counterexample]:
         asked.append(omega_B)
         return (Counterexample("eq12", 50.0, False),)
 
@@ -195,7 +200,7 @@ CLASSICAL = {"pi": (12.5, 13.5), "lead-lag": (13.2, 14.5), "pi-lead": (21, 23), 
 @pytest.mark.parametrize("form", CLASSICAL)
 def test_classical_feedback_is_found_stable_and_proven(form: str) -> None:
     joint = setting(("type: dob, order: 4", f"type: dynamic-feedback, form: {form}"))
-    found = Search(joint, lambda c, w: counterexamples(joint, joint.compensator(c), w), 50.0, lambda text: None).run()
+    found = Search(joint, partial(failing, joint), 50.0, lambda text: None).run()
     assert found is not None and proven(joint, found)
     low, high = CLASSICAL[form]
     assert low < found.candidate.omega_B < high
@@ -209,8 +214,7 @@ def test_orders_6_and_8_on_the_reference_joint() -> None:
     reached = {}
     for order in (6, 8):
         joint = setting(("order: 4", f"order: {order}"))
-        refute = partial(lambda joint, c, w: counterexamples(joint, joint.compensator(c), w), joint)
-        found = Search(joint, refute, 52.7, lambda text: None, known=known).run()
+        found = Search(joint, partial(failing, joint), 52.7, lambda text: None, known=known).run()
         assert found is not None and proven(joint, found)
         assert len(found.candidate.coefficients.denominator) == order + 1
         reached[order] = found.candidate.omega_B
