@@ -234,11 +234,19 @@ def _search(
     seed: int,
     proofs: Proofs,
 ) -> tuple[Polynomials, Bound | None]:
+    from .solve.attempt import attempt
     from .solve.bound import bound
-    from .solve.infeasible import impossible
+    from .solve.infeasible import impossible, unattainable
     from .solve.search import Search
 
-    reason = impossible(setting)
+    def attempted(of: Setting, *, bounded: bool) -> Found | None:
+        return attempt(of, lambda s, c, w: _refuting(s, c, w, {}), seed, deadline, bounded=bounded)
+
+    def reached(spec: Spec) -> float | None:
+        found = attempted(setting_of(spec), bounded=True)
+        return None if found is None else found.candidate.omega_B
+
+    reason = impossible(setting, reached)
     if reason is not None:
         raise reason.error()
     shared = Shared() if shared is None else shared
@@ -247,6 +255,10 @@ def _search(
             shared.bound = bound(setting, progress=progress)
         except UndecidedError as error:  # the search does without
             progress(str(error))
+        if shared.bound is None and attempted(setting, bounded=False) is None:
+            unmet = unattainable(setting, reached)
+            if unmet is not None:
+                raise unmet.error()
     limit = shared.bound
     low, high = frequency_scale(setting)
     expected = limit.omega_B if limit is not None else max((w for _, w in starts), default=(low * high) ** 0.5)
@@ -261,9 +273,9 @@ def _search(
         starts=tuple(starts),
         known=shared.known,
     )
-    found = search.run()
+    found = search.run() or (attempted(setting, bounded=True) if limit is not None else None)
     if found is None:
-        hint = "even the convex bound finds none" if limit is None else limit.text
+        hint = "even the convex bound finds none" if limit is None else f"{limit.text}{limit.binds}"
         raise UndecidedError(
             f"no controller of this structure was found that can be proven ({hint}); "
             "try another order, a smaller uncertainty, more damping in the impedance, or a larger attenuation"

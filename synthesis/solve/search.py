@@ -32,6 +32,7 @@ SCALES = (1.0, 1 / 8, 1 / 64, 1 / 512)  # of the expected bandwidth, tried in tu
 FAR_BELOW, ABOVE = 1 / 8, 2.0  # ω_B in parts of ω₀ that is searched again nearby, from an ω₀ so far above it
 DRAWN = 200  # random points, of which the nearest to feasible are used
 RANDOM, FIRST_RANDOM = 6, 30  # of those: beside other starts, and where nothing simpler was found
+FEW = 2  # of those in a short search
 EXTENDED = (0.99, 0.9, 0.95)  # parts of the simpler structure's ω_B at which its best three are extended
 REDUCED = 2  # random points from which the bound's Q̃ is approximated
 AGREE, FIRST_AGREE = 3, 5  # stop when this many starts end at the same best figure; with random ones alone
@@ -94,6 +95,7 @@ class Search:
 
     ideal: a frequency response of Q̃ to begin from, the bound's. starts: controllers of similar joints with their ω_B
     [rad/s], to begin from as well. known: optima of structures already searched, shared by searches of other orders.
+    short: at one scale, from few random starts, and content with the simplest structure that will do.
     """
 
     setting: Setting
@@ -105,12 +107,13 @@ class Search:
     deadline: float | None = None  # of time.monotonic()
     starts: tuple[tuple[Polynomials, float], ...] = ()
     known: dict[tuple[Structure, float], Optima] = field(default_factory=dict)
+    short: bool = False
 
     def run(self) -> Found | None:
         """Best controller of the specified structure that survives the proof; None when the search finds none."""
         expected = min(self.omega_0, HIGHEST * frequency_scale(self.setting)[1])
-        for omega_0 in (factor * expected for factor in SCALES):
-            found = self._around(omega_0)
+        for k, omega_0 in enumerate(factor * expected for factor in SCALES[: 1 if self.short else None]):
+            found = replace(self, short=self.short or (k > 0 and self.ideal is not None))._around(omega_0)
             if found is not None:
                 return self._nearby(found) if found.candidate.omega_B < FAR_BELOW * omega_0 else found
         return None
@@ -138,11 +141,13 @@ class Search:
         found = [Optima((), first)]
         for structure in chain:
             key, asked = (structure, self.omega_0), structure == chain[-1]
+            program = Program(self.setting, structure, first, self.omega_0)
             if key not in self.known or (self.starts and asked):
                 self.progress(f"searching {structure}")
-                program = Program(self.setting, structure, first, self.omega_0)
                 self.known[key] = self._optima(program, found[-1], asked)
             found.append(self.known[key])
+            if self.short and not asked and (early := self._best(program, found[-1])) is not None:
+                return early
         for k, structure in reversed([*enumerate(chain, 1)]):  # one of lower order is one of this order, too
             program = Program(self.setting, structure, first, self.omega_0)
             best = self._best(program, found[k])
@@ -207,7 +212,7 @@ class Search:
                 yield Start(structure.extended(candidate.x, rng), share * candidate.omega_B, near=True)
         omega_B = 0.1 * self.omega_0
         drawn = program.nearest([structure.start(rng) for _ in range(DRAWN)], omega_B, below.grids)
-        for x in drawn[: RANDOM if below.candidates else FIRST_RANDOM]:
+        for x in drawn[: FEW if self.short else RANDOM if below.candidates else FIRST_RANDOM]:
             yield Start(x, omega_B)
 
     def _exchanged(self, program: Program, candidate: Candidate, grids: Grids) -> list[tuple[Candidate, Grids]]:

@@ -1,0 +1,44 @@
+"""A short search: whether a controller exists at all, where a bound says none does, or where advice is to be tried.
+
+At one scale, from few starts, and of order 4 at most: every larger order contains what is found.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from ..errors import UndecidedError
+from ..problem.grid import frequency_scale
+from ..problem.setting import Setting
+from ..spec.model import Polynomials
+from .bound import ROUGH_TERMS, bound
+from .search import Counterexample, Found, Search
+
+HIGHEST_ORDER = 4
+
+RefuteIn = Callable[[Setting, Polynomials, float], Sequence[Counterexample]]
+
+
+def attempt(setting: Setting, refute: RefuteIn, seed: int, deadline: float | None, *, bounded: bool) -> Found | None:
+    """What a short search finds; bounded: around the bound, of a small basis. None: nothing, or out of time."""
+    controller = setting.spec.controller
+    if controller.order is not None and controller.order > HIGHEST_ORDER:
+        small = controller.model_copy(update={"order": HIGHEST_ORDER})
+        setting = replace(setting, spec=setting.spec.model_copy(update={"controller": small}))
+    low, high = frequency_scale(setting)
+    try:
+        limit = bound(setting, ROUGH_TERMS) if bounded else None
+        search = Search(
+            setting,
+            lambda c, omega_B: refute(setting, c, omega_B),
+            (low * high) ** 0.5 if limit is None else limit.omega_B,
+            lambda _: None,
+            ideal=None if limit is None else limit.response,
+            seed=seed,
+            deadline=deadline,
+            short=True,
+        )
+        return search.run()
+    except UndecidedError:
+        return None
