@@ -55,6 +55,7 @@ class Result:
     agreement: Agreement
     sampled: SampledComparison
     seconds: float
+    late: bool = False  # the time limit ended the search
 
     @property
     def outcome(self) -> Outcome:
@@ -112,12 +113,14 @@ def synthesize(
     starts: Sequence[tuple[Polynomials, float]] = (),
     shared: Shared | None = None,
     seed: int = 0,
+    advise: bool = True,
 ) -> Result:
     """Find (or take) a controller, prove every claim about it, have the proof re-checked, and simulate it.
 
     time_limit [s] bounds the search. starts: controllers of similar joints with their ω_B [rad/s],
     for the search to begin from as well. shared: what an earlier search on the same joint, of another order, has found.
-    seed: of the search's random starts; with the same one it finds the same digits.
+    seed: of the search's random starts; with the same one it finds the same digits. advise: try the advice for an
+    infeasible one, which takes seconds.
     Raises: InfeasibleError with the constraint and frequency; UndecidedError when the
     search ends without a proven controller; InputError for a controller that cannot be realized; RobimpError when
     prover, checker and simulation disagree.
@@ -128,9 +131,9 @@ def synthesize(
     proofs: Proofs = {}
     if spec.controller.coefficients is None:
         deadline = None if time_limit is None else began + time_limit
-        coefficients, limit = _search(setting, progress, deadline, starts, shared, seed, proofs)
+        coefficients, limit, late = _search(setting, progress, deadline, starts, shared, seed, proofs, advise)
     else:
-        coefficients, limit = spec.controller.coefficients, None
+        coefficients, limit, late = spec.controller.coefficients, None, False
     C = realizable(setting, coefficients)
     progress("proving every claim on the whole axis")
     claims = proofs.get(coefficients) or certify(setting, C)
@@ -165,7 +168,7 @@ def synthesize(
     demand_none()
     seconds = time.monotonic() - began
     return Result(
-        spec, coefficients, claims, limit, certificate, checked, checking, trials, agreement, sampled, seconds
+        spec, coefficients, claims, limit, certificate, checked, checking, trials, agreement, sampled, seconds, late
     )
 
 
@@ -233,21 +236,16 @@ def _search(
     shared: Shared | None,
     seed: int,
     proofs: Proofs,
-) -> tuple[Polynomials, Bound | None]:
-    from .solve.attempt import attempt
+    advise: bool,
+) -> tuple[Polynomials, Bound | None, bool]:
+    from .solve.attempt import Attempts
     from .solve.bound import bound
     from .solve.infeasible import impossible, unattainable
     from .solve.search import Search
 
-    def attempted(of: Setting, *, bounded: bool) -> Found | None:
-        return attempt(of, lambda s, c, w: _refuting(s, c, w, {}), seed, deadline, bounded=bounded)
-
-    def reached(spec: Spec) -> float | None:
-        found = attempted(setting_of(spec), bounded=True)
-        return None if found is None else found.candidate.omega_B
-
-    reason = impossible(setting, reached)
-    if reason is not None:
+    attempts = Attempts(lambda s, c, omega_B: _refuting(s, c, omega_B, {}), seed, deadline)
+    reached = attempts.reached if advise else None
+    if (reason := impossible(setting, reached)) is not None:
         raise reason.error()
     shared = Shared() if shared is None else shared
     if shared.bound is None:
@@ -255,10 +253,9 @@ def _search(
             shared.bound = bound(setting, progress=progress)
         except UndecidedError as error:  # the search does without
             progress(str(error))
-        if shared.bound is None and attempted(setting, bounded=False) is None:
-            unmet = unattainable(setting, reached)
-            if unmet is not None:
-                raise unmet.error()
+        none = shared.bound is None and attempts.find(setting, bounded=False) is None
+        if none and (unmet := unattainable(setting, reached)) is not None:
+            raise unmet.error()
     limit = shared.bound
     low, high = frequency_scale(setting)
     expected = limit.omega_B if limit is not None else max((w for _, w in starts), default=(low * high) ** 0.5)
@@ -273,7 +270,7 @@ def _search(
         starts=tuple(starts),
         known=shared.known,
     )
-    found = search.run() or (attempted(setting, bounded=True) if limit is not None else None)
+    found = search.run() or (attempts.find(setting, bounded=True) if limit is not None else None)
     if found is None:
         hint = "even the convex bound finds none" if limit is None else f"{limit.text}{limit.binds}"
         raise UndecidedError(
@@ -284,7 +281,7 @@ def _search(
         limit = bound(setting, 2 * limit.terms, progress)
         limit = limit if limit is not None and limit.omega_B >= found.candidate.omega_B else None
         shared.bound = limit
-    return found.candidate.coefficients, limit
+    return found.candidate.coefficients, limit, found.late
 
 
 def _refuting(setting: Setting, c: Polynomials, omega_B: float, proofs: Proofs) -> tuple[Counterexample, ...]:

@@ -16,6 +16,7 @@ def summary(result: Result) -> dict[str, Any]:
         "omega_B": float(result.omega_B),
         "bound": result.bound.omega_B if result.bound is not None and result.bound.limited else None,
         "seconds": result.seconds,
+        "out_of_time": result.late,
         "check": {"seconds": result.check_seconds, "time_limit": result.check_limit},
         "claims": [
             {"id": c.id, "form": c.form, "required": c.required, "status": c.status.value} for c in result.claims

@@ -65,7 +65,9 @@ class Bound:
     @property
     def binds(self) -> str:
         """Which constraints set it, where each of them most; "" where nothing limits it."""
-        most = " and ".join(f"{b.constraint} at {b.most:.4g} rad/s" for b in self.binding if b.constraint != "bandwidth")
+        most = " and ".join(
+            f"{b.constraint} at {b.most:.4g} rad/s" for b in self.binding if b.constraint != "bandwidth"
+        )
         return f", set by {most}" if most else ""
 
     def to_json(self) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ..errors import UndecidedError
 from ..problem.setting import Setting
 from ..spec.model import Spec
 from .alone import alone
@@ -38,14 +39,17 @@ def impossible(setting: Setting, reached: Reached | None = None) -> Impossible |
 
 
 def unattainable(setting: Setting, reached: Reached | None = None) -> Unmet | None:
-    """What no Q̃ in the bound's basis meets, by the solver's word, with the relaxation that helps most; None: nothing."""
+    """What no Q̃ in the bound's basis meets, by the solver's word, with what to relax; None: nothing."""
     reason = unmet(setting)
     return None if reason is None else replace(reason, remedy=advice(setting.spec, reached))
 
 
 def advice(spec: Spec, reached: Reached | None) -> str:
     """The relaxation that helps most, in words."""
-    smallest = smallest_relaxation(spec, _possible, reached or (lambda _: None))
+    try:
+        smallest = smallest_relaxation(spec, _possible, reached or (lambda _: None))
+    except UndecidedError:  # no time to try any
+        return advice(spec, None)
     if smallest is None:
         key = droppable(spec, _possible)
         return "no single change of a number removes it" + (f"; without {key} it is gone" if key else "")

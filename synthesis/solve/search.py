@@ -7,10 +7,9 @@ bound's own Q̃, reduced to the order asked for; so are random points.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -20,12 +19,10 @@ from ..problem.grid import frequency_scale
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
 from .nlp import Candidate, Program
+from .optima import Found, Optima, Progress, Refute, Start
 from .places import Grids
 from .reduction import Response, reduced
 from .structure import Structure, structure_of
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
 
 HIGHEST = 30.0  # of the joint's highest frequency: farther out no bandwidth is looked for
 SCALES = (1.0, 1 / 8, 1 / 64, 1 / 512)  # of the expected bandwidth, tried in turn: a bound may be far too high
@@ -42,51 +39,10 @@ FINER = 8  # the grid that optima are looked at between solutions
 EXCHANGES = 8
 AGAIN = ((0.99, True), (0.99, False), (0.9, False), (0.7, False))  # parts of ω_B to solve again from, and whether near
 ROUNDS = 12
+OVERTIME = 10.0  # [s] for the proof of one structure's optima when time is up
 BACK_OFF_GROWTH = 1.5
 SAME = 1e-3  # relative difference of ω_B below which two optima are one
 REACHED = 0.9995  # of the program's ω_B: what the proof has to reach
-
-
-class Counterexample(Protocol):
-    """Where the proof failed: which claim, at which frequency [rad/s], whether on the objective's own band."""
-
-    @property
-    def id(self) -> str: ...  # noqa: D102
-    @property
-    def omega(self) -> float: ...  # noqa: D102
-    @property
-    def on_band(self) -> bool: ...  # noqa: D102
-
-
-Refute = Callable[[Polynomials, float], Sequence[Counterexample]]  # coefficients, ω_B → () when all required is proven
-Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Start:
-    """Parameters and ω_B [rad/s] to begin from; near: stay near them; votes: whether its agreement counts."""
-
-    x: NDArray[np.float64]
-    omega_B: float
-    near: bool = False
-    votes: bool = True
-
-
-@dataclass(frozen=True)
-class Found:
-    """A controller every required claim was proven for, and what it took."""
-
-    candidate: Candidate
-    rounds: int
-    counterexamples: int
-
-
-@dataclass(frozen=True)
-class Optima:
-    """Of one structure: distinct candidates, best first, and the grid on which the best is tight."""
-
-    candidates: tuple[Candidate, ...]
-    grids: Grids
 
 
 @dataclass(frozen=True)
@@ -110,12 +66,17 @@ class Search:
     short: bool = False
 
     def run(self) -> Found | None:
-        """Best controller of the specified structure that survives the proof; None when the search finds none."""
+        """Best controller of the specified structure that survives the proof; None when the search finds none.
+
+        Out of time it is the best that was known, or of lower order. Raises: UndecidedError when nothing was.
+        """
         expected = min(self.omega_0, HIGHEST * frequency_scale(self.setting)[1])
         for k, omega_0 in enumerate(factor * expected for factor in SCALES[: 1 if self.short else None]):
             found = replace(self, short=self.short or (k > 0 and self.ideal is not None))._around(omega_0)
             if found is not None:
                 return self._nearby(found) if found.candidate.omega_B < FAR_BELOW * omega_0 else found
+            if self._late:
+                raise UndecidedError("out of time: no controller was proven within the time limit")
         return None
 
     def _around(self, omega_0: float) -> Found | None:
@@ -123,11 +84,9 @@ class Search:
 
     def _nearby(self, found: Found) -> Found:
         """The better of what was found and what a search around it finds, where the grid is dense."""
-        try:
-            again = self._around(ABOVE * found.candidate.omega_B)
-        except UndecidedError:  # out of time
-            again = None
-        return found if again is None or again.candidate.omega_B < found.candidate.omega_B else again
+        again = self._around(ABOVE * found.candidate.omega_B)
+        better = found if again is None or again.candidate.omega_B < found.candidate.omega_B else again
+        return replace(better, late=self._late)
 
     def _at_scale(self, structure: Structure) -> Found | None:
         chain = [structure]
@@ -140,22 +99,30 @@ class Search:
         first = Grids.of(self.setting, self.omega_0)
         found = [Optima((), first)]
         for structure in chain:
+            if self._late:
+                break
             key, asked = (structure, self.omega_0), structure == chain[-1]
             program = Program(self.setting, structure, first, self.omega_0)
             if key not in self.known or (self.starts and asked):
                 self.progress(f"searching {structure}")
-                self.known[key] = self._optima(program, found[-1], asked)
-            found.append(self.known[key])
+                optima = self._optima(program, found[-1], asked)
+                found.append(optima)
+                if self._late:  # not all there is to know
+                    break
+                self.known[key] = optima
+            else:
+                found.append(self.known[key])
             if self.short and not asked and (early := self._best(program, found[-1])) is not None:
                 return early
-        for k, structure in reversed([*enumerate(chain, 1)]):  # one of lower order is one of this order, too
+        late = self._late
+        for k, structure in reversed([*enumerate(chain[: len(found) - 1], 1)]):  # a lower order is this order, too
             program = Program(self.setting, structure, first, self.omega_0)
-            best = self._best(program, found[k])
-            if best is None and structure != chain[-1] and found[k].candidates:  # so far it only gave starts
+            best = self._overtime._best(program, found[k])
+            if best is None and structure != chain[-1] and found[k].candidates and not late:  # so far only for starts
                 self.progress(f"nothing proven; searching {structure} for its own sake")
                 best = self._best(program, self._optima(program, found[k - 1], asked=True))
             if best is not None:
-                return best
+                return replace(best, late=late)
         return None
 
     def _best(self, program: Program, optima: Optima) -> Found | None:
@@ -176,7 +143,8 @@ class Search:
         best, votes, grids = 0.0, list[float](), below.grids
         agree = FIRST_AGREE if asked and not (below.candidates or self.starts) else AGREE
         for start in self._starts(program, below, asked):
-            self._in_time()
+            if self._late:
+                break
             explored = program.solve(start.x, start.omega_B, grids, refining=start.near)
             if explored is None:
                 continue
@@ -220,7 +188,7 @@ class Search:
         again = candidate
         for _ in range(EXCHANGES):
             omega, band = program.violated(again, self._finer)
-            if not omega and not band:
+            if (not omega and not band) or self._late:
                 break
             grids = grids.refined(omega, band)
             solved = self._again(program, again, grids)
@@ -236,7 +204,6 @@ class Search:
     def _again(self, program: Program, candidate: Candidate, grids: Grids) -> Candidate | None:
         """Solve on another grid, near the last optimum if IPOPT can, else from it, or from the same with less ω_B."""
         for share, near in AGAIN:
-            self._in_time()
             again = program.solve(candidate.x, share * candidate.omega_B, grids, refining=near)
             if again is not None:
                 return again
@@ -246,7 +213,8 @@ class Search:
         """Counterexample loop: refuting frequencies join the grid, the slack required grows."""
         total = 0
         for rounds in range(1, ROUNDS + 1):
-            self._in_time()
+            if self._late:
+                break
             refuting = self.refute(candidate.coefficients, REACHED * candidate.omega_B)
             if not refuting:
                 return Found(candidate, rounds, total)
@@ -264,10 +232,17 @@ class Search:
             candidate, grids = exchanged[0]
         return None
 
-    def _in_time(self) -> None:
+    @property
+    def _late(self) -> bool:
         demand_none()  # CasADi's callbacks into Python swallow exceptions
-        if self.deadline is not None and time.monotonic() > self.deadline:
-            raise UndecidedError("out of time: no controller was proven within the time limit")
+        return self.deadline is not None and time.monotonic() > self.deadline
+
+    @property
+    def _overtime(self) -> Search:
+        """The same with time enough to prove what was found."""
+        return replace(
+            self, deadline=None if self.deadline is None else max(self.deadline, time.monotonic() + OVERTIME)
+        )
 
 
 def _same(one: float, other: float) -> bool:

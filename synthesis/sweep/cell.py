@@ -116,7 +116,7 @@ def solve_cell(task: Task) -> tuple[Cell, bytes | None]:
 
     try:
         starts = () if task.start is None else ((task.start.coefficients, float(task.start.omega_B)),)
-        result = synthesize(task.spec, time_limit=task.time_limit, starts=starts)
+        result = synthesize(task.spec, time_limit=task.time_limit, starts=starts, advise=False)
     except InfeasibleError as error:
         return failed(Status.INFEASIBLE, error.what or "infeasible", str(error))
     except RobimpError as error:
