@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 from ..spec.model import Polynomials
 from .nlp import Candidate
 from .places import Grids
+from .structure import Structure
 
 if TYPE_CHECKING:
     import numpy as np
@@ -52,7 +53,16 @@ class Found:
 
 @dataclass(frozen=True)
 class Optima:
-    """Of one structure: distinct candidates, best first, and the grid on which the best is tight."""
+    """Distinct candidates, best first, and the grid on which the best is tight. structures: of each candidate."""
 
     candidates: tuple[Candidate, ...]
     grids: Grids
+    structures: tuple[Structure, ...] = ()
+
+    @classmethod
+    def all_of(cls, several: Sequence[Optima], grids: Grids) -> Optima:
+        """Of several structures together, on the grid of the best; with none of any, on the grid given."""
+        pairs = [pair for optima in several for pair in zip(optima.candidates, optima.structures, strict=True)]
+        pairs.sort(key=lambda pair: -pair[0].omega_B)
+        best = max((o for o in several if o.candidates), key=lambda o: o.candidates[0].omega_B, default=None)
+        return cls(tuple(c for c, _ in pairs), grids if best is None else best.grids, tuple(s for _, s in pairs))

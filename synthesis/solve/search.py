@@ -22,7 +22,7 @@ from .nlp import Candidate, Program
 from .optima import Found, Optima, Progress, Refute, Start
 from .places import Grids
 from .reduction import Response, reduced
-from .structure import Structure, structure_of
+from .structure import Structure, contained, structure_of
 
 HIGHEST = 30.0  # of the joint's highest frequency: farther out no bandwidth is looked for
 SCALES = (1.0, 1 / 8, 1 / 64, 1 / 512)  # of the expected bandwidth, tried in turn: a bound may be far too high
@@ -89,41 +89,39 @@ class Search:
         return replace(better, late=self._late)
 
     def _at_scale(self, structure: Structure) -> Found | None:
-        chain = [structure]
-        while (simpler := chain[0].simpler) is not None:
-            chain.insert(0, simpler)
-        return self._from_simple(chain)
+        return self._from_simple(contained(structure))
 
     def _from_simple(self, chain: list[Structure]) -> Found | None:
-        """Search structure after structure, each from the optima of the one before; prove the last one's."""
+        """Search structure after structure, each from the optima of those it contains; prove the last one's."""
         first = Grids.of(self.setting, self.omega_0)
-        found = [Optima((), first)]
+        found: dict[Structure, Optima] = {}
         for structure in chain:
             if self._late:
                 break
             key, asked = (structure, self.omega_0), structure == chain[-1]
             program = Program(self.setting, structure, first, self.omega_0)
-            if key not in self.known or (self.starts and asked):
-                self.progress(f"searching {structure}")
-                optima = self._optima(program, found[-1], asked)
-                found.append(optima)
-                if self._late:  # not all there is to know
-                    break
-                self.known[key] = optima
+            if key in self.known and not (self.starts and asked):
+                found[structure] = self.known[key]
             else:
-                found.append(self.known[key])
-            if self.short and not asked and (early := self._best(program, found[-1])) is not None:
+                self.progress(f"searching {structure}")
+                found[structure] = self._optima(program, self._below(structure, found, first), asked)
+                if not self._late:  # else it is not all there is to know
+                    self.known[key] = found[structure]
+            if self.short and not asked and (early := self._best(program, found[structure])) is not None:
                 return early
         late = self._late
-        for k, structure in reversed([*enumerate(chain[: len(found) - 1], 1)]):  # a lower order is this order, too
+        for structure in reversed(found):  # one of lower order is one of this order, too
             program = Program(self.setting, structure, first, self.omega_0)
-            best = self._overtime._best(program, found[k])
-            if best is None and structure != chain[-1] and found[k].candidates and not late:  # so far only for starts
-                self.progress(f"nothing proven; searching {structure} for its own sake")
-                best = self._best(program, self._optima(program, found[k - 1], asked=True))
+            best = self._overtime._best(program, found[structure])
+            if best is None and structure != chain[-1] and found[structure].candidates and not late:
+                self.progress(f"nothing proven; searching {structure} for its own sake")  # so far it only gave starts
+                best = self._best(program, self._optima(program, self._below(structure, found, first), asked=True))
             if best is not None:
                 return replace(best, late=late)
         return None
+
+    def _below(self, structure: Structure, found: dict[Structure, Optima], first: Grids) -> Optima:
+        return Optima.all_of([found[simpler] for simpler in structure.simpler if simpler in found], first)
 
     def _best(self, program: Program, optima: Optima) -> Found | None:
         """The best that can be proven of one structure's optima."""
@@ -162,7 +160,8 @@ class Search:
             if best > 0 and sum(_same(vote, best) for vote in votes) >= agree:
                 break
         found.sort(key=lambda pair: -pair[0].omega_B)
-        return Optima(_distinct([c for c, _ in found])[:KEPT], found[0][1] if found else below.grids)
+        kept = _distinct([c for c, _ in found])[:KEPT]
+        return Optima(kept, found[0][1] if found else below.grids, (program.structure,) * len(kept))
 
     def _starts(self, program: Program, below: Optima, asked: bool) -> Iterator[Start]:
         structure, rng = program.structure, np.random.default_rng(self.seed)
@@ -176,8 +175,8 @@ class Search:
                 x = reduced(program, self.ideal, structure.start(rng))
                 yield Start(x, 0.8 * self.omega_0, votes=k == 0)
         for share in EXTENDED:
-            for candidate in below.candidates[: len(EXTENDED)]:
-                yield Start(structure.extended(candidate.x, rng), share * candidate.omega_B, near=True)
+            for candidate, simpler in [*zip(below.candidates, below.structures, strict=True)][: len(EXTENDED)]:
+                yield Start(structure.extended(candidate.x, rng, simpler), share * candidate.omega_B, near=True)
         omega_B = 0.1 * self.omega_0
         drawn = program.nearest([structure.start(rng) for _ in range(DRAWN)], omega_B, below.grids)
         for x in drawn[: FEW if self.short else RANDOM if below.candidates else FIRST_RANDOM]:
