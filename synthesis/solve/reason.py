@@ -14,16 +14,21 @@ PLAIN = {"bandwidth": "attenuation", "rendering": "rendering error"}
 
 @dataclass(frozen=True)
 class Impossible:
-    """Requirements that no X meets at ω: which, where [rad/s], why, and what to do instead. whose: of which family."""
+    """Requirements that no X meets at ω: which, where [rad/s], why, and what to do instead. whose: of which family.
+
+    shared: whether ω is where all of them fail; else `why` says where each does.
+    """
 
     what: str
     omega: float
     why: str
     remedy: str
     whose: str = "any controller"
+    shared: bool = True
 
     def __str__(self) -> str:
-        return f"{self.what} cannot hold{self._together} at {place(self.omega)} for {self.whose}: {self._rest}"
+        at = f" at {place(self.omega)}" if self.shared else ""
+        return f"{self.what} cannot hold{self._together}{at} for {self.whose}: {self._rest}"
 
     @property
     def _together(self) -> str:
