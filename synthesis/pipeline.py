@@ -119,8 +119,7 @@ def synthesize(
 
     time_limit [s] bounds the search. starts: controllers of similar joints with their ω_B [rad/s],
     for the search to begin from as well. shared: what an earlier search on the same joint, of another order, has found.
-    seed: of the search's random starts; with the same one it finds the same digits. advise: try the advice for an
-    infeasible one, which takes seconds.
+    seed: of the search's random starts; with the same one it finds the same digits. advise: try what is advised.
     Raises: InfeasibleError with the constraint and frequency; UndecidedError when the
     search ends without a proven controller; InputError for a controller that cannot be realized; RobimpError when
     prover, checker and simulation disagree.
@@ -249,15 +248,16 @@ def _search(
         raise reason.error()
     shared = Shared() if shared is None else shared
     if shared.bound is None:
+        unmet = None
         try:
             shared.bound = bound(setting, progress=progress)
+            if shared.bound is None and attempts.find(setting, bounded=False) is None:
+                unmet = unattainable(setting, reached)
         except UndecidedError as error:  # the search does without
             progress(str(error))
-        none = shared.bound is None and attempts.find(setting, bounded=False) is None
-        if none and (unmet := unattainable(setting, reached)) is not None:
+        if unmet is not None:
             raise unmet.error()
-    limit = shared.bound
-    low, high = frequency_scale(setting)
+    limit, (low, high) = shared.bound, frequency_scale(setting)
     expected = limit.omega_B if limit is not None else max((w for _, w in starts), default=(low * high) ** 0.5)
     search = Search(
         setting,
@@ -274,8 +274,8 @@ def _search(
     if found is None:
         hint = "even the convex bound finds none" if limit is None else f"{limit.text}{limit.binds}"
         raise UndecidedError(
-            f"no controller of this structure was found that can be proven ({hint}); "
-            "try another order, a smaller uncertainty, more damping in the impedance, or a larger attenuation"
+            f"no controller of this structure was found that can be proven ({hint}); try another order, a smaller "
+            "uncertainty, more damping in the impedance, or a larger attenuation"
         )
     if limit is not None and limit.limited and limit.omega_B < found.candidate.omega_B:  # too few terms
         limit = bound(setting, 2 * limit.terms, progress)

@@ -8,7 +8,7 @@ word for it.
 from __future__ import annotations
 
 from collections.abc import Container
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -65,7 +65,7 @@ class _Watched:
     stays: NDArray[np.int_] = field(default_factory=lambda: np.zeros(0, int))
     eased: bool = False
 
-    def begin(self, eased: str) -> None:
+    def begin(self, eased: str = "") -> None:
         """For another ω_B or another constraint to ease: what was tight before."""
         self.eased = eased == self.rows.id if eased else self.on_band
         self.chosen, self.left, self.stays = np.union1d(self.spread, self.tight), np.zeros(0, int), np.zeros(0, int)
@@ -118,6 +118,8 @@ class BandProgram:
                     continue
                 spread = np.unique(np.linspace(0, rows.omega.size - 1, FIRST_POINTS).astype(int))
                 self.watched.append(_Watched(rows, c.on_band, np.searchsorted(omega, rows.omega), spread))
+        for watched in self.watched:  # one unit for all inequalities of a constraint
+            watched.rows = replace(watched.rows, unit=self.unit(watched.rows.id) / (watched.rows.floor or 1.0))
         for here, there in zip(self.watched, like.watched if like is not None else (), strict=False):
             near = np.searchsorted(here.rows.omega, there.rows.omega[there.tight])
             here.tight = np.unique(np.clip(near, 0, here.rows.omega.size - 1))
@@ -128,6 +130,10 @@ class BandProgram:
         self.values = values @ self.inverse
         self.X = np.zeros(omega.size, complex)
         self.weights: list[tuple[str, float, float]] = []
+
+    def unit(self, id: str) -> float:
+        """What a level that is added is eased in, in its own unit; 1 for those that multiply."""
+        return max((w.rows.floor or 1.0 for w in self.watched if w.rows.id == id), default=1.0)
 
     def largest_band(self, start: float, *, coarse: bool = False) -> float | Failure:
         """ω_B where the least level is 1 [rad/s]: secants on the logarithms, kept between what is known."""
@@ -226,7 +232,7 @@ def _block(rows: Rows, chosen: NDArray[np.int_], values: NDArray[np.complex128],
     moduli = [(matrix(line.slope), line.constant[chosen]) for line in rows.moduli]
     B, b = matrix(rows.rest.slope).real, np.real(rows.rest.constant)[chosen]
     if eased and rows.floor is not None:
-        B[:, -1], b = 1.0, b - 1.0
+        B[:, -1], b = rows.unit, b - rows.unit
     elif eased:
         B[:, -1], b = b, np.zeros(chosen.size)
     return Block(moduli, B, b)

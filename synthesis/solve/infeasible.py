@@ -56,7 +56,7 @@ def advice(spec: Spec, reached: Reached | None) -> str:
     if reached is None:
         return f"{RELAXED}{smallest.text}"
     if smallest.omega_B is None:
-        return f"{RELAXED}{smallest.text}, but a short search finds no controller with it, nor with three times as much"
+        return f"{RELAXED}{smallest.text}, but a short search finds no controller with it, nor with somewhat more"
     return f"{TRIED}{smallest.text} (with ω_B near {smallest.omega_B:.2g} rad/s or above)"
 
 

@@ -12,9 +12,11 @@ import numpy as np
 from ..spec.model import Box, Polynomials, Spec, Table
 
 LARGEST = 1e3  # factor that is still a relaxation
+FIRST = (100.0, 30.0, 10.0, 3.0)  # factors that are tried where the largest does not help
+CANDIDATES = 2  # changes that are tried
 NEAR = 0.02  # relative accuracy of the factor
 
-FURTHER = (1.0, 1.15, 1.4, 2.0, 3.0)  # times the least factor: until a controller is found, too
+FURTHER = (1.0, 1.2, 1.6, 2.5)  # times the least factor: until a controller is found, too
 
 Holds = Callable[[Spec], bool]
 Reached = Callable[[Spec], float | None]  # ω_B [rad/s] that is proven of a specification; None where nothing is found
@@ -38,19 +40,17 @@ def smallest_relaxation(spec: Spec, holds: Holds, reached: Reached = lambda _: N
 
     With `reached` it is taken so much further that a controller is found with it; omega_B says whether one was.
     """
-    best: tuple[Relaxation, Change] | None = None
+    found: list[tuple[Relaxation, Change]] = []
     for change in _changes(spec):
-        found = _least(change, holds, LARGEST if best is None else best[0].factor)
-        best = best if found is None else (found, change)
-    if best is None:
-        return None
-    least, change = best
-    for further in FURTHER:
-        relaxation = change(least.factor * further)
-        omega_B = None if relaxation is None or not holds(relaxation.spec) else reached(relaxation.spec)
-        if relaxation is not None and omega_B is not None:
-            return replace(relaxation, omega_B=omega_B)
-    return least
+        least = _least(change, holds, found[-1][0].factor if found else LARGEST)
+        found += [] if least is None else [(least, change)]
+    for least, change in found[: -1 - CANDIDATES : -1]:
+        for further in FURTHER:
+            relaxation = change(least.factor * further)
+            omega_B = None if relaxation is None or not holds(relaxation.spec) else reached(relaxation.spec)
+            if relaxation is not None and omega_B is not None:
+                return replace(relaxation, omega_B=omega_B)
+    return found[-1][0] if found else None
 
 
 def droppable(spec: Spec, holds: Holds) -> str | None:
@@ -71,8 +71,11 @@ def _least(change: Change, holds: Holds, below: float) -> Relaxation | None:
         relaxation = change(factor)
         return relaxation if relaxation is not None and holds(relaxation.spec) else None
 
-    low, high = 1.0, below / (1 + NEAR)
-    best = tried(high)
+    low = 1.0
+    for high in (below / (1 + NEAR), *(factor for factor in FIRST if factor < below)):  # too much may be as bad
+        best = tried(high)
+        if best is not None:
+            break
     while best is not None and high / low > 1 + NEAR:
         middle = float(np.sqrt(low * high))
         found = tried(middle)

@@ -87,6 +87,7 @@ class Rows:
     rest: Line
     right: Line | None
     floor: float | None = None  # of a level that is added: the size; of the others, that multiply, None
+    unit: float = 1.0  # in sizes: by how much a floor is lowered when it is eased by one
 
     @classmethod
     def of(
@@ -128,9 +129,9 @@ class Rows:
     def slack(self, X: NDArray[np.complex128], level: float = 1.0) -> NDArray[np.float64]:
         """Right side, eased to `level`, minus left side; negative where violated. X at omega. (m,).
 
-        At level 1 as it is asked; what has a floor is lowered by `level − 1` sizes, of the rest the right side grows.
+        At level 1 as it is asked; what has a floor is lowered by `level − 1` units, of the rest the right side grows.
         """
         rest = np.real(self.rest.at(X))
-        rest = level * rest if self.floor is None else rest + (level - 1)
+        rest = level * rest if self.floor is None else rest + (level - 1) * self.unit
         slack = rest - sum(np.abs(line.at(X)) for line in self.moduli)
         return np.asarray(slack if self.right is None else slack + np.abs(self.right.at(X)))

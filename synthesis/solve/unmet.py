@@ -67,8 +67,7 @@ def _missed(program: BandProgram, constraint: Constraint, others: bool) -> tuple
     if constraint.role is Role.RADIUS:
         text = f"left/right is at best {level:.4g} and must be below 1"
     else:
-        size = next(w.rows.floor for w in program.watched if w.rows.id == constraint.id)
         asked = float(constraint.level or 0)
-        best = asked * level if size is None else asked - (level - 1) * size
+        best = asked * level if constraint.role is Role.CEILING else asked - (level - 1) * program.unit(constraint.id)
         text = shortfall(constraint, best, "such a Q̃")
     return f"{text}, at {place(omega)}{' while the rest holds' if others else ''}", omega
