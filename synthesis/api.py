@@ -143,7 +143,7 @@ def bound(spec: Spec | File, terms: int | None = None, progress: Progress = _qui
     from .interruption import demanding
     from .pipeline import setting_of
     from .solve.bound import bound as convex_bound
-    from .solve.infeasible import impossible
+    from .solve.infeasible import impossible, unattainable
 
     setting = setting_of(_spec(spec))
     reason = impossible(setting)
@@ -151,7 +151,12 @@ def bound(spec: Spec | File, terms: int | None = None, progress: Progress = _qui
         raise reason.error()
     limit = convex_bound(setting, terms, demanding(progress))
     if limit is None:
-        raise UndecidedError("no Q̃ in the basis satisfies the constraints, by the solver's word")
+        unmet = unattainable(setting)
+        raise (
+            unmet.error()
+            if unmet
+            else UndecidedError("no Q̃ in the basis satisfies the constraints, by the solver's word")
+        )
     return limit
 
 

@@ -58,6 +58,7 @@ class Result:
     sampled: SampledComparison
     seconds: float
     corner: Corner | None = None  # that number
+    late: bool = False  # the time limit ended the search
 
     @property
     def outcome(self) -> Outcome:
@@ -115,12 +116,13 @@ def synthesize(
     starts: Sequence[tuple[Polynomials, float]] = (),
     shared: Shared | None = None,
     seed: int = 0,
+    advise: bool = True,
 ) -> Result:
     """Find (or take) a controller, prove every claim about it, have the proof re-checked, and simulate it.
 
     time_limit [s] bounds the search. starts: controllers of similar joints with their ω_B [rad/s],
     for the search to begin from as well. shared: what an earlier search on the same joint, of another order, has found.
-    seed: of the search's random starts; with the same one it finds the same digits.
+    seed: of the search's random starts; with the same one it finds the same digits. advise: try what is advised.
     Raises: InfeasibleError with the constraint and frequency; UndecidedError when the
     search ends without a proven controller; InputError for a controller that cannot be realized; RobimpError when
     prover, checker and simulation disagree.
@@ -131,10 +133,10 @@ def synthesize(
     proofs: Proofs = {}
     if spec.controller.coefficients is None:
         deadline = None if time_limit is None else began + time_limit
-        candidate, limit = _search(setting, progress, deadline, starts, shared, seed, proofs)
+        candidate, limit, late = _search(setting, progress, deadline, starts, shared, seed, proofs, advise)
         coefficients, corner = candidate.coefficients, candidate.corner
     else:
-        coefficients, corner, limit = spec.controller.coefficients, None, None
+        coefficients, corner, limit, late = spec.controller.coefficients, None, None, False
     setting = setting.resolved(None if corner is None else corner.omega)
     spec, C = setting.spec, realizable(setting, coefficients)
     progress("proving every claim on the whole axis")
@@ -170,7 +172,19 @@ def synthesize(
     demand_none()
     seconds = time.monotonic() - began
     return Result(
-        spec, coefficients, claims, limit, certificate, checked, checking, trials, agreement, sampled, seconds, corner
+        spec,
+        coefficients,
+        claims,
+        limit,
+        certificate,
+        checked,
+        checking,
+        trials,
+        agreement,
+        sampled,
+        seconds,
+        corner,
+        late,
     )
 
 
@@ -238,22 +252,29 @@ def _search(
     shared: Shared | None,
     seed: int,
     proofs: Proofs,
-) -> tuple[Candidate, Bound | None]:
+    advise: bool,
+) -> tuple[Candidate, Bound | None, bool]:
+    from .solve.attempt import Attempts
     from .solve.bound import bound
-    from .solve.infeasible import impossible
+    from .solve.infeasible import impossible, unattainable
     from .solve.search import Search
 
-    reason = impossible(setting)
-    if reason is not None:
+    attempts = Attempts(lambda s, c, omega_B: _refuting(s, c, omega_B, {}), seed, deadline)
+    reached = attempts.reached if advise else None
+    if (reason := impossible(setting, reached)) is not None:
         raise reason.error()
     shared = Shared() if shared is None else shared
     if shared.bound is None:
+        unmet = None
         try:
             shared.bound = bound(setting, progress=progress)
+            if shared.bound is None and attempts.find(setting, bounded=False) is None:
+                unmet = unattainable(setting, reached)
         except UndecidedError as error:  # the search does without
             progress(str(error))
-    limit = shared.bound
-    low, high = frequency_scale(setting)
+        if unmet is not None:
+            raise unmet.error()
+    limit, (low, high) = shared.bound, frequency_scale(setting)
     expected = limit.omega_B if limit is not None else max((w for _, w in starts), default=(low * high) ** 0.5)
     search = Search(
         setting,
@@ -266,18 +287,18 @@ def _search(
         starts=tuple(starts),
         known=shared.known,
     )
-    found = search.run()
+    found = search.run() or (attempts.find(setting, bounded=True) if limit is not None else None)
     if found is None:
-        hint = "even the convex bound finds none" if limit is None else limit.text
+        hint = "even the convex bound finds none" if limit is None else f"{limit.text}{limit.binds}"
         raise UndecidedError(
-            f"no controller of this structure was found that can be proven ({hint}); "
-            "try another order, a smaller uncertainty, more damping in the impedance, or a larger attenuation"
+            f"no controller of this structure was found that can be proven ({hint}); try another order, a smaller "
+            "uncertainty, more damping in the impedance, or a larger attenuation"
         )
     if limit is not None and limit.limited and limit.omega_B < found.candidate.omega_B:  # too few terms
         limit = bound(setting, 2 * limit.terms, progress)
         limit = limit if limit is not None and limit.omega_B >= found.candidate.omega_B else None
         shared.bound = limit
-    return found.candidate, limit
+    return found.candidate, limit, found.late
 
 
 def _refuting(setting: Setting, c: Candidate, omega_B: float, proofs: Proofs) -> tuple[Counterexample, ...]:

@@ -20,7 +20,10 @@ Specs = Annotated[list[Path], typer.Argument(metavar="SPEC...", help="Specificat
 Orders = Annotated[
     str | None, typer.Option(metavar="A:B", help="Search every order from A to B instead, each with its certificate.")
 ]
-TimeLimit = Annotated[float | None, typer.Option(metavar="SECONDS", min=0.0, help="Stop searching after this long.")]
+TimeLimit = Annotated[
+    float | None,
+    typer.Option(metavar="SECONDS", min=0.0, help="Stop searching after this long, with the best known by then."),
+]
 Seed = Annotated[int, typer.Option(metavar="N", min=0, help="Of the random starts; the same seed, the same digits.")]
 
 
@@ -158,8 +161,15 @@ def _synth_one(path: Path, spec: Spec, folder: Path, time_limit: float | None, s
 
 
 def _say_less(result: Result) -> None:
-    """A search that found a controller of lower order than was asked for, or a corner at the end of those searched."""
+    """What the time limit, the order asked for, or the end of the corners searched made of the search."""
     controller, found = result.spec.controller, len(result.coefficients.denominator) - 1
+    if result.late:
+        asked = "" if controller.order in (None, found) else f" (order {controller.order} was asked for)"
+        say(
+            f"note: the time limit ended the search: this controller, of order {found}{asked}, is the best that was "
+            "known then; with a longer --time-limit, or none, there may be a better one"
+        )
+        return
     if controller.coefficients is None and controller.order is not None and found < controller.order:
         say(
             f"note: order {controller.order} was asked for, and of that order nothing was proven: this controller has "

@@ -17,6 +17,7 @@ def summary(result: Result) -> dict[str, Any]:
         "bound": result.bound.omega_B if result.bound is not None and result.bound.limited else None,
         "seconds": result.seconds,
         "force_filter": None if result.corner is None else float(result.corner.omega),
+        "out_of_time": result.late,
         "check": {"seconds": result.check_seconds, "time_limit": result.check_limit},
         "claims": [
             {"id": c.id, "form": c.form, "required": c.required, "status": c.status.value} for c in result.claims

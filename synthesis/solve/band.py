@@ -7,7 +7,8 @@ word for it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Container
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,7 +29,7 @@ SHORT = 3e-4  # relative shortfall that makes a frequency join the program
 INACCURATE = 1e-3  # shortfall, or distance from the level promised, at which a solution is none
 LEVEL, COARSE_LEVEL = 1e-3, 0.02  # |log| of the level at which ω_B is found
 SLOPE = 2.0  # of log level over log ω, before two points tell
-SHARE = 0.2  # of the level's distance from 1: a shortfall that is small enough to take the next step
+SHARE, CLOSE = 0.2, 0.01  # of the level's distance from 1: a shortfall small enough for the next step, for a figure
 STEPS = 30  # of the search for ω_B
 TIGHT = 1e-6  # the multiplier of a row that stays in the program
 MEANINGFUL = 0.1  # the level from which on multipliers say which rows the solution rests on
@@ -62,9 +63,11 @@ class _Watched:
     tight: NDArray[np.int_] = field(default_factory=lambda: np.zeros(0, int))  # where the last solution has multipliers
     left: NDArray[np.int_] = field(default_factory=lambda: np.zeros(0, int))
     stays: NDArray[np.int_] = field(default_factory=lambda: np.zeros(0, int))
+    eased: bool = False
 
-    def begin(self) -> None:
-        """For another ω_B: what was tight before."""
+    def begin(self, eased: str = "") -> None:
+        """For another ω_B or another constraint to ease: what was tight before."""
+        self.eased = eased == self.rows.id if eased else self.on_band
         self.chosen, self.left, self.stays = np.union1d(self.spread, self.tight), np.zeros(0, int), np.zeros(0, int)
 
     def release(self) -> None:
@@ -87,15 +90,21 @@ class _Watched:
 class BandProgram:
     """One basis on one grid [rad/s]. like: another one of the same setting, whose tight frequencies are begun with.
 
+    among: ids of the constraints that count, by default all that are required and convex in Q̃; the rest is `dropped`.
     X: Q̃ on the grid at the last solution, (n,).
     """
 
     def __init__(
-        self, setting: Setting, omega: NDArray[np.float64], basis: Basis, like: BandProgram | None = None
+        self,
+        setting: Setting,
+        omega: NDArray[np.float64],
+        basis: Basis,
+        like: BandProgram | None = None,
+        among: Container[str] | None = None,
     ) -> None:
         self.setting, self.omega, self.basis = setting, omega, basis
         everything = [(k, v, c) for k, v in enumerate(setting.vertices(actuators=False)) for c in constraints(v)]
-        required = [(k, v, c) for k, v, c in everything if c.required]
+        required = [(k, v, c) for k, v, c in everything if c.required and (among is None or c.id in among)]
         known = {Variable.Q_TILDE, Variable.COMMAND}
         known |= {Variable.Q} if setting.loop.actuator.H == ONE else set()  # H = 1: Q = Q̃
         kept = [e for e in required if all(q.convex and q.variable in known for q in e[2].inequalities)]
@@ -109,6 +118,8 @@ class BandProgram:
                     continue
                 spread = np.unique(np.linspace(0, rows.omega.size - 1, FIRST_POINTS).astype(int))
                 self.watched.append(_Watched(rows, c.on_band, np.searchsorted(omega, rows.omega), spread))
+        for watched in self.watched:  # one unit for all inequalities of a constraint
+            watched.rows = replace(watched.rows, unit=self.unit(watched.rows.id) / (watched.rows.floor or 1.0))
         for here, there in zip(self.watched, like.watched if like is not None else (), strict=False):
             near = np.searchsorted(here.rows.omega, there.rows.omega[there.tight])
             here.tight = np.unique(np.clip(near, 0, here.rows.omega.size - 1))
@@ -119,6 +130,10 @@ class BandProgram:
         self.values = values @ self.inverse
         self.X = np.zeros(omega.size, complex)
         self.weights: list[tuple[str, float, float]] = []
+
+    def unit(self, id: str) -> float:
+        """What a level that is added is eased in, in its own unit; 1 for those that multiply."""
+        return max((w.rows.floor or 1.0 for w in self.watched if w.rows.id == id), default=1.0)
 
     def largest_band(self, start: float, *, coarse: bool = False) -> float | Failure:
         """ω_B where the least level is 1 [rad/s]: secants on the logarithms, kept between what is known."""
@@ -140,23 +155,26 @@ class BandProgram:
             return Failure.UNSOLVED
         return float(np.exp(at)) if at > np.log(self.omega[0]) + 0.01 else Failure.INFEASIBLE
 
-    def level(self, omega_B: float) -> float | Failure:
-        """Least level, in parts of what is asked, at which the band's constraints hold up to omega_B."""
+    def level(self, omega_B: float, eased: str = "") -> float | Failure:
+        """Least level, in parts of what is asked, at which the band's constraints hold up to omega_B [rad/s].
+
+        eased: id of a constraint that is eased instead, while the band's hold as they are asked.
+        """
         end = int(np.searchsorted(self.omega, omega_B))
         here = np.array([omega_B])
         at_edge = self.setting.loop.actuator.H.at(here)[:, None] * self.basis.at(here) @ self.inverse
         edge = [Rows.of(v, c, q, here, k) for k, v, c, q in self.band]
         for watched in self.watched:
-            watched.begin()
+            watched.begin(eased)
         objective = np.append(np.zeros(self.values.shape[1]), 1.0)
         for _ in range(PROGRAMS):
             parts = [(w.rows, w.until(end)) for w in self.watched]
             blocks = [
-                _block(w.rows, chosen, self.values[w.places[chosen]], w.on_band)
+                _block(w.rows, chosen, self.values[w.places[chosen]], w.eased)
                 for w, (_, chosen) in zip(self.watched, parts, strict=True)
             ]
             parts += [(rows, np.array([0])) for rows in edge]
-            blocks += [_block(rows, np.array([0]), at_edge, True) for rows in edge]
+            blocks += [_block(rows, np.array([0]), at_edge, eased in ("", rows.id)) for rows in edge]
             solution = minimise(objective, blocks)
             if isinstance(solution, Failure):
                 return solution
@@ -172,8 +190,8 @@ class BandProgram:
                     watched.release()
             joined, short = self._joined(solution.value, end)
             far = abs(solution.value - 1)
-            if solution.value > BEYOND or short < SHARE * far:  # more frequencies can only raise the level
-                return solution.value
+            if (solution.value > BEYOND and not eased) or short < (CLOSE if eased else SHARE) * far:
+                return solution.value  # more frequencies can only raise the level
             if not joined:
                 return Failure.UNSOLVED if short > INACCURATE else solution.value
         return Failure.UNSOLVED
@@ -183,7 +201,8 @@ class BandProgram:
         joined, short = False, 0.0
         for watched in self.watched:
             rows, X = watched.rows, self.X[watched.places]
-            slack = rows.slack(X, level)[:end] if watched.on_band else rows.slack(X)
+            slack = rows.slack(X, level if watched.eased else 1.0)
+            slack = slack[:end] if watched.on_band else slack
             dips = (slack <= np.append(slack[1:], np.inf)) & (slack <= np.insert(slack[:-1], 0, np.inf))
             joined |= watched.join(np.flatnonzero(dips & (slack < -SHORT)))
             short = max(short, -float(slack.min(initial=np.inf)))
@@ -203,8 +222,8 @@ class BandProgram:
         return tuple(found)
 
 
-def _block(rows: Rows, chosen: NDArray[np.int_], values: NDArray[np.complex128], on_band: bool) -> Block:
-    """Rows of a program in (x, level): on the band the level multiplies the right side, a number there."""
+def _block(rows: Rows, chosen: NDArray[np.int_], values: NDArray[np.complex128], eased: bool) -> Block:
+    """Rows of a program in (x, level), the level where they are eased: it multiplies the right side, a number there."""
     empty = np.zeros((chosen.size, 1))
 
     def matrix(slope: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -212,6 +231,8 @@ def _block(rows: Rows, chosen: NDArray[np.int_], values: NDArray[np.complex128],
 
     moduli = [(matrix(line.slope), line.constant[chosen]) for line in rows.moduli]
     B, b = matrix(rows.rest.slope).real, np.real(rows.rest.constant)[chosen]
-    if on_band:
+    if eased and rows.floor is not None:
+        B[:, -1], b = rows.unit, b - rows.unit
+    elif eased:
         B[:, -1], b = b, np.zeros(chosen.size)
     return Block(moduli, B, b)

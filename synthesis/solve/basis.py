@@ -25,13 +25,14 @@ class Basis:
     """Poles placed for a bandwidth `around` [rad/s]; `roll_off` the relative degree of every function.
 
     highest: frequency up to which the joint does anything [rad/s]. Where poles end below it, what limits ω_B is the
-    basis: on joints with a fast torque loop by a third.
+    basis: on joints with a fast torque loop by a third. slowest: the slowest pole, in parts of `around`.
     """
 
     around: float
     terms: int
     roll_off: int
     highest: float
+    slowest: float = SLOWEST
 
     def at(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
         """Values of all functions. omega: (n,) [rad/s]. Returns (n, terms)."""
@@ -52,7 +53,7 @@ class Basis:
 
     @property
     def _real(self) -> NDArray[np.float64]:
-        return np.geomspace(SLOWEST, self._fastest / 2, REAL - 1 + self.terms % 2)
+        return np.geomspace(self.slowest, self._fastest / 2, REAL - 1 + self.terms % 2)
 
     def _pairs(self) -> Iterator[tuple[float, float]]:
         """Frequency, in parts of ω_B, and ζ of each pair."""

@@ -9,7 +9,7 @@ solver on a grid: reported, used to start and to judge the search, never claimed
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from dataclasses import asdict, dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -35,6 +35,7 @@ CONVERGED = 0.01  # relative growth of ω_B below which the basis is large enoug
 NEARLY = 0.99  # of the highest frequency that is looked at: no limit was met
 SPREAD, DENSE, FINER = 300, 600, 4  # points over everything and around ω_B, besides resonances; then so many times more
 RESPONSE = 8  # one point of the grid in so many is enough to begin a search from
+SLOW = 1e3  # so many times slower poles, before it is said that nothing is feasible
 BEYOND, TAIL = 1e3, 30  # how far beyond the joint's frequencies Q̃ is watched as it dies out, at so many points
 
 
@@ -62,6 +63,14 @@ class Bound:
         figure = f"{self.omega_B:.4g} rad/s"
         return f"the bound is {figure}" if self.limited else f"nothing limits it below {figure}"
 
+    @property
+    def binds(self) -> str:
+        """Which constraints set it, where each of them most; "" where nothing limits it."""
+        most = " and ".join(
+            f"{b.constraint} at {b.most:.4g} rad/s" for b in self.binding if b.constraint != "bandwidth"
+        )
+        return f", set by {most}" if most else ""
+
     def to_json(self) -> dict[str, Any]:
         """For scripts: all but the response."""
         shown = ("omega_B", "limited", "terms", "growth", "dropped", "stopped")
@@ -73,14 +82,16 @@ def bound(setting: Setting, terms: int | None = None, progress: Progress = lambd
 
     Raises: UndecidedError where the solver fails before there is any figure.
     """
-    low, high = frequency_scale(setting)
-    rough = Basis((low * high) ** 0.5, ROUGH_TERMS, _roll_off(setting), high)
-    wide = BandProgram(setting, resolving(setting, rough), rough)
-    around = wide.largest_band((low * high) ** 0.5, coarse=True)
-    if around is Failure.INFEASIBLE:
-        return None
+    high = frequency_scale(setting)[1]
+    wide = wide_program(setting, ROUGH_TERMS)
+    around = wide.largest_band(wide.basis.around, coarse=True)
+    if around is Failure.INFEASIBLE:  # not unless slow poles are of no help, either
+        wide = wide_program(setting, FIRST_TERMS, slow=SLOW)
+        around = wide.largest_band(wide.basis.around, coarse=True)
+        if around is Failure.INFEASIBLE:
+            return None
     if isinstance(around, Failure):
-        raise _undecided(around, ROUGH_TERMS)
+        raise _undecided(around, wide.basis.terms)
     highest = float(grid(setting)[-1])
     if around > NEARLY * highest:
         return _result(wide, highest, limited=False)
@@ -108,6 +119,17 @@ def bound(setting: Setting, terms: int | None = None, progress: Progress = lambd
         if size * GROWTH > MOST_TERMS:
             return replace(best, stopped="the basis is as large as it may be")
         before, size, around = best, round(size * GROWTH), best.omega_B
+
+
+def wide_program(setting: Setting, terms: int, among: Container[str] | None = None, slow: float = 1.0) -> BandProgram:
+    """The cone programs of a basis that is spread over everything the joint does, with poles so many times slower.
+
+    among: as `BandProgram` has it.
+    """
+    low, high = frequency_scale(setting)
+    basis = Basis((low * high) ** 0.5, terms, _roll_off(setting), high)
+    basis = replace(basis, slowest=basis.slowest / slow)
+    return BandProgram(setting, resolving(setting, basis), basis, among=among)
 
 
 def resolving(setting: Setting, basis: Basis, finer: int = 1) -> NDArray[np.float64]:

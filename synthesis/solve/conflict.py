@@ -18,7 +18,7 @@ from ..problem.constraints.inequality import Role
 from ..problem.grid import frequency_scale
 from ..problem.setting import Setting
 from .plane import EXISTS, NONE, Demand, Plane
-from .reason import Impossible, name
+from .reason import Impossible, name, shortfall
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -85,7 +85,7 @@ def _described(setting: Setting, groups: Sequence[Group], empty: NDArray[np.floa
     names = [name(group[0].constraint) for group in least]
     while_others = " while the rest holds" if len(least) > 1 else ""
     why = "; ".join(
-        f"{n}: {_shortfall(group[0], float(levels[k]))}{while_others}"
+        f"{n}: {shortfall(group[0].constraint, float(levels[k]))}{while_others}"
         for n, group, levels in zip(names, least, reached, strict=True)
     )
     remedy = next((group[0].constraint.remedy for group in least if group[0].constraint.remedy), "relax one of them")
@@ -115,17 +115,6 @@ def _best(setting: Setting, omega: NDArray[np.float64], group: Group, others: Se
         reached = reaches(np.nan_to_num(middle, nan=asked))
         hard, easy = np.where(reached, hard, middle), np.where(reached, middle, easy)
     return easy
-
-
-def _shortfall(demand: Demand, best: float) -> str:
-    asked = demand.level
-    if np.isnan(best):
-        return "no level is within reach of any X there"
-    if demand.constraint.role is Role.CEILING:
-        return f"at most {asked:.4g} is asked, the least any X reaches is {best:.4g}"
-    if demand.constraint.role is Role.FLOOR:
-        return f"at least {asked:.4g} is asked, the most any X reaches is {best:.4g}"
-    return f"holds at best for {best:.4g} × the uncertainty"
 
 
 def _at_infinity(setting: Setting, groups: Sequence[Group], far: float) -> Impossible | None:

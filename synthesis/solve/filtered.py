@@ -27,14 +27,19 @@ class Filtered(Structure):
     family: Structure
 
     @property
-    def simpler(self) -> Filtered | None:
-        """The simpler family, behind a filter as well: without one its optima lie elsewhere."""
-        family = self.family.simpler
-        return None if family is None else Filtered(family)
+    def simpler(self) -> tuple[Structure, ...]:
+        """Simpler families behind a filter as well, and the family without one, which is the limit of a far corner."""
+        return (*(Filtered(family) for family in self.family.simpler), self.family)
 
-    def extended(self, x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-        """With the same corner."""
-        return np.array([x[0], *self.family.extended(x[1:], rng)])
+    def extended(self, x: NDArray[np.float64], rng: np.random.Generator, of: Structure) -> NDArray[np.float64]:
+        """With the same corner, or with one as far out as it may be."""
+        if isinstance(of, Filtered):
+            return np.array([x[0], *self.family.extended(x[1:], rng, of.family)])
+        return np.array([FAR, *x])
+
+    def includes(self, other: Structure) -> bool:
+        """Not without a filter: there has to be a corner."""
+        return isinstance(other, Filtered) and self.family.includes(other.family)
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -18,7 +18,7 @@ from ..problem.setting import Setting
 from .conflict import Group, groups_of
 from .filtered import structure_of
 from .plane import ROUNDING, Demand, Disc, Plane
-from .reason import Impossible, name
+from .reason import Impossible, name, place
 from .structure import Classical, Feedback
 
 if TYPE_CHECKING:
@@ -106,14 +106,16 @@ class _Gains(Plane):
 
 
 def _described(least: Sequence[Group], cells: NDArray[np.float64], fails: NDArray[np.float64]) -> Impossible:
-    """Which gains each constraint excludes, and where the lowest one fails that the objective does not exclude."""
-    names = [name(group[0].constraint) for group in least]
-    said = []
-    for n, row in zip(names, fails, strict=True):
-        out = cells[:, row > 0]
-        said.append(f"{n} excludes every k from {out[0].min():.3g} to {out[1].max():.3g}")
-    on_band = [row for group, row in zip(least, fails, strict=True) if group[0].constraint.on_band]
-    lowest = np.where(np.any(on_band, axis=0), np.inf, cells[0]) if on_band else cells[0]
-    omega = float(np.max(fails[:, np.argmin(lowest)]))
+    """Which gains each constraint excludes, and where the one among them fails that comes nearest to meeting it."""
     low, high = np.exp(Feedback.gains)
-    return Impossible(" and ".join(names), omega, "; ".join(said), REMEDY, f"any C_imp = k, {low:g} ≤ k ≤ {high:g}")
+    names, said, places = [name(group[0].constraint) for group in least], [], []
+    for group, n, row in zip(least, names, fails, strict=True):
+        out, omega = cells[:, row > 0], row[row > 0]
+        first, last = np.argmin(out[0]), np.argmax(out[1])
+        upwards = out[0][first] > 2 * low  # what is excluded begins there, with larger gains; else it ends
+        nearest, k = (first, out[0][first]) if upwards else (last, out[1][last])
+        places.append(0.0 if group[0].constraint.on_band else float(omega[nearest]))
+        excluded = f"excludes every k from {out[0][first]:.3g} to {out[1][last]:.3g}"
+        said.append(f"{n} {excluded} (k = {k:.3g} at {place(places[-1])})")
+    family = f"any C_imp = k, {low:g} ≤ k ≤ {high:g}"
+    return Impossible(" and ".join(names), max(places), "; ".join(said), REMEDY, family, shared=len(set(places)) == 1)

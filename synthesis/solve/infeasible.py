@@ -2,39 +2,62 @@
 
 Said only with a reason that needs no solver's word: a closed form (`alone`), a search of the whole plane of X that
 leaves nothing (`conflict`), or of all gains from 1e-4 to 1e6 where the controller is one (`gain`). Frequencies are
-those of a grid; one that is named is a proof that no controller exists, or none with such a gain.
+those of a grid; one that is named is a proof that no controller exists, or none with such a gain. What is shown by the
+bound's solver alone (`unmet`) is evidence.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+from ..errors import UndecidedError
 from ..problem.setting import Setting
 from ..spec.model import Spec
 from .alone import alone
 from .conflict import conflict, conflicting
 from .gain import excluded
-from .reason import Impossible
-from .relaxation import droppable, smallest_relaxation
+from .reason import Impossible, Unmet
+from .relaxation import Reached, droppable, smallest_relaxation
+from .unmet import attainable, unmet
 
 RELAXED = "the smallest single change that removes it: "
+TRIED = "the smallest single change with which a controller was found: "
 
 
-def impossible(setting: Setting) -> Impossible | None:
-    """Why no controller can exist, with the relaxation that helps most; None where this test finds no reason."""
+def impossible(setting: Setting, reached: Reached | None = None) -> Impossible | None:
+    """Why no controller can exist, with the relaxation that helps most; None where this test finds no reason.
+
+    reached: ω_B that a search proves for a specification, for advice that was tried; None: nothing is tried.
+    """
     reason = first_reason(setting)
     if reason is None:
         return excluded(setting)
     if reason.what == "stability-free":
         return reason
-    smallest = smallest_relaxation(setting.spec, _possible)
-    if smallest is not None:
-        remedy = f"{RELAXED}{smallest.text}"
-    else:
-        key = droppable(setting.spec, _possible)
-        remedy = "no single change of a number removes it" + (f"; without {key} it is gone" if key else "")
     own = "" if reason.remedy.startswith("relax") else f"{reason.remedy}; "
-    return replace(reason, remedy=own + remedy)
+    return replace(reason, remedy=own + advice(setting.spec, reached))
+
+
+def unattainable(setting: Setting, reached: Reached | None = None) -> Unmet | None:
+    """What no Q̃ in the bound's basis meets, by the solver's word, with what to relax; None: nothing."""
+    reason = unmet(setting)
+    return None if reason is None else replace(reason, remedy=advice(setting.spec, reached))
+
+
+def advice(spec: Spec, reached: Reached | None) -> str:
+    """The relaxation that helps most, in words."""
+    try:
+        smallest = smallest_relaxation(spec, _possible, reached or (lambda _: None))
+    except UndecidedError:  # no time to try any
+        return advice(spec, None)
+    if smallest is None:
+        key = droppable(spec, _possible)
+        return "no single change of a number removes it" + (f"; without {key} it is gone" if key else "")
+    if reached is None:
+        return f"{RELAXED}{smallest.text}"
+    if smallest.omega_B is None:
+        return f"{RELAXED}{smallest.text}, but a short search finds no controller with it, nor with somewhat more"
+    return f"{TRIED}{smallest.text} (with ω_B near {smallest.omega_B:.2g} rad/s or above)"
 
 
 def first_reason(setting: Setting) -> Impossible | None:
@@ -53,6 +76,6 @@ def first_reason(setting: Setting) -> Impossible | None:
 def _possible(spec: Spec) -> bool:
     try:
         setting = Setting.of(spec)
-        return alone(setting) is None and not conflicting(setting)
+        return alone(setting) is None and not conflicting(setting) and attainable(setting)
     except (ValueError, ZeroDivisionError):  # a change that leaves no joint
         return False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -11,10 +11,15 @@ import numpy as np
 
 from ..spec.model import Box, Polynomials, Spec, Table
 
-LARGEST = 100.0  # factor that is still a relaxation
+LARGEST = 1e3  # factor that is still a relaxation
+FIRST = (100.0, 30.0, 10.0, 3.0)  # factors that are tried where the largest does not help
+CANDIDATES = 2  # changes that are tried
 NEAR = 0.02  # relative accuracy of the factor
 
+FURTHER = (1.0, 1.2, 1.6, 2.5)  # times the least factor: until a controller is found, too
+
 Holds = Callable[[Spec], bool]
+Reached = Callable[[Spec], float | None]  # ω_B [rad/s] that is proven of a specification; None where nothing is found
 
 
 @dataclass(frozen=True)
@@ -24,18 +29,28 @@ class Relaxation:
     text: str
     factor: float
     spec: Spec
+    omega_B: float | None = None  # [rad/s] of a controller that was found with it
 
 
 Change = Callable[[float], Relaxation | None]  # a factor to the change; None where the value ends
 
 
-def smallest_relaxation(spec: Spec, holds: Holds) -> Relaxation | None:
-    """The relaxation of least factor after which `holds`; None when no single one helps."""
-    best: Relaxation | None = None
+def smallest_relaxation(spec: Spec, holds: Holds, reached: Reached = lambda _: None) -> Relaxation | None:
+    """The relaxation of least factor after which `holds`; None when no single one helps.
+
+    With `reached` it is taken so much further that a controller is found with it; omega_B says whether one was.
+    """
+    found: list[tuple[Relaxation, Change]] = []
     for change in _changes(spec):
-        found = _least(change, holds, LARGEST if best is None else best.factor)
-        best = found or best
-    return best
+        least = _least(change, holds, found[-1][0].factor if found else LARGEST)
+        found += [] if least is None else [(least, change)]
+    for least, change in found[: -1 - CANDIDATES : -1]:
+        for further in FURTHER:
+            relaxation = change(least.factor * further)
+            omega_B = None if relaxation is None or not holds(relaxation.spec) else reached(relaxation.spec)
+            if relaxation is not None and omega_B is not None:
+                return replace(relaxation, omega_B=omega_B)
+    return found[-1][0] if found else None
 
 
 def droppable(spec: Spec, holds: Holds) -> str | None:
@@ -56,8 +71,11 @@ def _least(change: Change, holds: Holds, below: float) -> Relaxation | None:
         relaxation = change(factor)
         return relaxation if relaxation is not None and holds(relaxation.spec) else None
 
-    low, high = 1.0, below / (1 + NEAR)
-    best = tried(high)
+    low = 1.0
+    for high in (below / (1 + NEAR), *(factor for factor in FIRST if factor < below)):  # too much may be as bad
+        best = tried(high)
+        if best is not None:
+            break
     while best is not None and high / low > 1 + NEAR:
         middle = float(np.sqrt(low * high))
         found = tried(middle)
@@ -69,8 +87,11 @@ def _changes(spec: Spec) -> Iterator[Change]:
     yield _number(spec, "objective.attenuation", 1, most=Fraction(99, 100))
     for key in ("objective.rendering_error", "constraints.peak", "constraints.noise.gain", "impedance.damping"):
         yield _number(spec, key, 1)
-    for key in ("constraints.eq12.margin", "impedance.stiffness"):
+    for key in ("constraints.eq12.margin", "impedance.stiffness", "sampling.delay"):
         yield _number(spec, key, -1)
+    yield _number(spec, "sampling.rate", 1)
+    for key in ("impedance.damping", "impedance.stiffness"):
+        yield _range(spec, key, key.endswith("damping"))
     yield lambda factor: Relaxation(f"all uncertainty × {1 / factor:.3g}", factor, shrunk(spec, 1 / factor))
 
 
@@ -85,6 +106,21 @@ def _number(spec: Spec, key: str, direction: int, most: Fraction | None = None) 
         if most is not None and new > most > value:
             new = most
         return Relaxation(f"{key} {float(value):.4g} → {float(new):.4g}", factor, _with(spec, key, new))
+
+    return change
+
+
+def _range(spec: Spec, key: str, low: bool) -> Change:
+    """The low end of a range times the factor, or the high end divided by it, as far as the other end."""
+    ends = _get(spec, key)
+
+    def change(factor: float) -> Relaxation | None:
+        if not isinstance(ends, tuple) or ends[not low] == 0:
+            return None
+        new = Fraction(f"{float(ends[not low]) * factor ** (1 if low else -1):.3g}")
+        changed = (min(new, ends[1]), ends[1]) if low else (ends[0], max(new, ends[0]))
+        before, after = (", ".join(f"{float(end):.4g}" for end in pair) for pair in (ends, changed))
+        return Relaxation(f"{key} [{before}] → [{after}]", factor, _with(spec, key, changed))
 
     return change
 

@@ -86,6 +86,8 @@ class Rows:
     moduli: tuple[Line, ...]
     rest: Line
     right: Line | None
+    floor: float | None = None  # of a level that is added: the size; of the others, that multiply, None
+    unit: float = 1.0  # in sizes: by how much a floor is lowered when it is eased by one
 
     @classmethod
     def of(
@@ -121,9 +123,15 @@ class Rows:
             tuple(line * scale for line in left.moduli),
             (right.rest + left.rest * -1.0) * scale,
             right.moduli[0] * scale if right.moduli else None,
+            float(size.min(initial=np.inf)) if inequality.role is Role.FLOOR else None,
         )
 
     def slack(self, X: NDArray[np.complex128], level: float = 1.0) -> NDArray[np.float64]:
-        """Right side, `level` times, minus left side; negative where violated. X at omega. (m,)."""
-        slack = level * np.real(self.rest.at(X)) - sum(np.abs(line.at(X)) for line in self.moduli)
+        """Right side, eased to `level`, minus left side; negative where violated. X at omega. (m,).
+
+        At level 1 as it is asked; what has a floor is lowered by `level − 1` units, of the rest the right side grows.
+        """
+        rest = np.real(self.rest.at(X))
+        rest = level * rest if self.floor is None else rest + (level - 1) * self.unit
+        slack = rest - sum(np.abs(line.at(X)) for line in self.moduli)
         return np.asarray(slack if self.right is None else slack + np.abs(self.right.at(X)))

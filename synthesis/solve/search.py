@@ -7,10 +7,9 @@ bound's own Q̃, reduced to the order asked for; so are random points.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -21,18 +20,17 @@ from ..problem.setting import Setting
 from ..spec.model import Polynomials
 from .filtered import structure_of
 from .nlp import Candidate, Program
+from .optima import Found, Optima, Progress, Refute, Start
 from .places import Grids
 from .reduction import Response, reduced
-from .structure import Structure
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
+from .structure import Structure, contained
 
 HIGHEST = 30.0  # of the joint's highest frequency: farther out no bandwidth is looked for
 SCALES = (1.0, 1 / 8, 1 / 64, 1 / 512)  # of the expected bandwidth, tried in turn: a bound may be far too high
 FAR_BELOW, ABOVE = 1 / 8, 2.0  # ω_B in parts of ω₀ that is searched again nearby, from an ω₀ so far above it
 DRAWN = 200  # random points, of which the nearest to feasible are used
 RANDOM, FIRST_RANDOM = 6, 30  # of those: beside other starts, and where nothing simpler was found
+FEW = 2  # of those in a short search
 EXTENDED = (0.99, 0.9, 0.95)  # parts of the simpler structure's ω_B at which its best three are extended
 REDUCED = 2  # random points from which the bound's Q̃ is approximated
 AGREE, FIRST_AGREE = 3, 5  # stop when this many starts end at the same best figure; with random ones alone
@@ -42,51 +40,10 @@ FINER = 8  # the grid that optima are looked at between solutions
 EXCHANGES = 8
 AGAIN = ((0.99, True), (0.99, False), (0.9, False), (0.7, False))  # parts of ω_B to solve again from, and whether near
 ROUNDS = 12
+OVERTIME = 10.0  # [s] for the proof of one structure's optima when time is up
 BACK_OFF_GROWTH = 1.5
 SAME = 1e-3  # relative difference of ω_B below which two optima are one
 REACHED = 0.9995  # of the program's ω_B: what the proof has to reach
-
-
-class Counterexample(Protocol):
-    """Where the proof failed: which claim, at which frequency [rad/s], whether on the objective's own band."""
-
-    @property
-    def id(self) -> str: ...  # noqa: D102
-    @property
-    def omega(self) -> float: ...  # noqa: D102
-    @property
-    def on_band(self) -> bool: ...  # noqa: D102
-
-
-Refute = Callable[[Candidate, float], Sequence[Counterexample]]  # candidate, ω_B → () when all required is proven
-Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True, eq=False)
-class Start:
-    """Parameters and ω_B [rad/s] to begin from; near: stay near them; votes: whether its agreement counts."""
-
-    x: NDArray[np.float64]
-    omega_B: float
-    near: bool = False
-    votes: bool = True
-
-
-@dataclass(frozen=True)
-class Found:
-    """A controller every required claim was proven for, and what it took."""
-
-    candidate: Candidate
-    rounds: int
-    counterexamples: int
-
-
-@dataclass(frozen=True)
-class Optima:
-    """Of one structure: distinct candidates, best first, and the grid on which the best is tight."""
-
-    candidates: tuple[Candidate, ...]
-    grids: Grids
 
 
 @dataclass(frozen=True)
@@ -95,6 +52,7 @@ class Search:
 
     ideal: a frequency response of Q̃ to begin from, the bound's. starts: controllers of similar joints with their ω_B
     [rad/s], to begin from as well. known: optima of structures already searched, shared by searches of other orders.
+    short: at one scale, from few random starts, and content with the simplest structure that will do.
     """
 
     setting: Setting
@@ -106,14 +64,20 @@ class Search:
     deadline: float | None = None  # of time.monotonic()
     starts: tuple[tuple[Polynomials, float], ...] = ()
     known: dict[tuple[Structure, float], Optima] = field(default_factory=dict)
+    short: bool = False
 
     def run(self) -> Found | None:
-        """Best controller of the specified structure that survives the proof; None when the search finds none."""
+        """Best controller of the specified structure that survives the proof; None when the search finds none.
+
+        Out of time it is the best that was known, or of lower order. Raises: UndecidedError when nothing was.
+        """
         expected = min(self.omega_0, HIGHEST * frequency_scale(self.setting)[1])
-        for omega_0 in (factor * expected for factor in SCALES):
-            found = self._around(omega_0)
+        for k, omega_0 in enumerate(factor * expected for factor in SCALES[: 1 if self.short else None]):
+            found = replace(self, short=self.short or (k > 0 and self.ideal is not None))._around(omega_0)
             if found is not None:
                 return self._nearby(found) if found.candidate.omega_B < FAR_BELOW * omega_0 else found
+            if self._late:
+                raise UndecidedError("out of time: no controller was proven within the time limit")
         return None
 
     def _around(self, omega_0: float) -> Found | None:
@@ -121,38 +85,44 @@ class Search:
 
     def _nearby(self, found: Found) -> Found:
         """The better of what was found and what a search around it finds, where the grid is dense."""
-        try:
-            again = self._around(ABOVE * found.candidate.omega_B)
-        except UndecidedError:  # out of time
-            again = None
-        return found if again is None or again.candidate.omega_B < found.candidate.omega_B else again
+        again = self._around(ABOVE * found.candidate.omega_B)
+        better = found if again is None or again.candidate.omega_B < found.candidate.omega_B else again
+        return replace(better, late=self._late)
 
     def _at_scale(self, structure: Structure) -> Found | None:
-        chain = [structure]
-        while (simpler := chain[0].simpler) is not None:
-            chain.insert(0, simpler)
-        return self._from_simple(chain)
+        return self._from_simple(contained(structure))
 
     def _from_simple(self, chain: list[Structure]) -> Found | None:
-        """Search structure after structure, each from the optima of the one before; prove the last one's."""
+        """Search structure after structure, each from the optima of those it contains; prove the last one's."""
         first = Grids.of(self.setting, self.omega_0)
-        found = [Optima((), first)]
+        found: dict[Structure, Optima] = {}
         for structure in chain:
+            if self._late:
+                break
             key, asked = (structure, self.omega_0), structure == chain[-1]
-            if key not in self.known or (self.starts and asked):
-                self.progress(f"searching {structure}")
-                program = Program(self.setting, structure, first, self.omega_0)
-                self.known[key] = self._optima(program, found[-1], asked)
-            found.append(self.known[key])
-        for k, structure in reversed([*enumerate(chain, 1)]):  # one of lower order is one of this order, too
             program = Program(self.setting, structure, first, self.omega_0)
-            best = self._best(program, found[k])
-            if best is None and structure != chain[-1] and found[k].candidates:  # so far it only gave starts
-                self.progress(f"nothing proven; searching {structure} for its own sake")
-                best = self._best(program, self._optima(program, found[k - 1], asked=True))
+            if key in self.known and not (self.starts and asked):
+                found[structure] = self.known[key]
+            else:
+                self.progress(f"searching {structure}")
+                found[structure] = self._optima(program, self._below(structure, found, first), asked)
+                if not self._late:  # else it is not all there is to know
+                    self.known[key] = found[structure]
+            if self.short and not asked and (early := self._best(program, found[structure])) is not None:
+                return early
+        late = self._late
+        for structure in filter(chain[-1].includes, reversed(found)):  # one of lower order is one of this order, too
+            program = Program(self.setting, structure, first, self.omega_0)
+            best = self._overtime._best(program, found[structure])
+            if best is None and structure != chain[-1] and found[structure].candidates and not late:
+                self.progress(f"nothing proven; searching {structure} for its own sake")  # so far it only gave starts
+                best = self._best(program, self._optima(program, self._below(structure, found, first), asked=True))
             if best is not None:
-                return best
+                return replace(best, late=late)
         return None
+
+    def _below(self, structure: Structure, found: dict[Structure, Optima], first: Grids) -> Optima:
+        return Optima.all_of([found[simpler] for simpler in structure.simpler if simpler in found], first)
 
     def _best(self, program: Program, optima: Optima) -> Found | None:
         """The best that can be proven of one structure's optima."""
@@ -172,7 +142,8 @@ class Search:
         best, votes, grids = 0.0, list[float](), below.grids
         agree = FIRST_AGREE if asked and not (below.candidates or self.starts) else AGREE
         for start in self._starts(program, below, asked):
-            self._in_time()
+            if self._late:
+                break
             explored = program.solve(start.x, start.omega_B, grids, refining=start.near)
             if explored is None:
                 continue
@@ -190,10 +161,12 @@ class Search:
             if best > 0 and sum(_same(vote, best) for vote in votes) >= agree:
                 break
         found.sort(key=lambda pair: -pair[0].omega_B)
-        return Optima(_distinct([c for c, _ in found])[:KEPT], found[0][1] if found else below.grids)
+        kept = _distinct([c for c, _ in found])[:KEPT]
+        return Optima(kept, found[0][1] if found else below.grids, (program.structure,) * len(kept))
 
     def _starts(self, program: Program, below: Optima, asked: bool) -> Iterator[Start]:
         structure, rng = program.structure, np.random.default_rng(self.seed)
+        low, high = structure.bounds
         for coefficients, omega_B in self.starts if asked else ():
             response = Response.of(self.setting, coefficients, below.grids.omega)
             x = reduced(program, response, structure.start(rng))
@@ -204,11 +177,13 @@ class Search:
                 x = reduced(program, self.ideal, structure.start(rng))
                 yield Start(x, 0.8 * self.omega_0, votes=k == 0)
         for share in EXTENDED:
-            for candidate in below.candidates[: len(EXTENDED)]:
-                yield Start(structure.extended(candidate.x, rng), share * candidate.omega_B, near=True)
+            for candidate, simpler in [*zip(below.candidates, below.structures, strict=True)][: len(EXTENDED)]:
+                x = structure.extended(candidate.x, rng, simpler)
+                inside = bool(np.all((low < x) & (x < high)))  # from a bound the search may not get away
+                yield Start(x, share * candidate.omega_B, near=True, votes=inside)
         omega_B = 0.1 * self.omega_0
         drawn = program.nearest([structure.start(rng) for _ in range(DRAWN)], omega_B, below.grids)
-        for x in drawn[: RANDOM if below.candidates else FIRST_RANDOM]:
+        for x in drawn[: FEW if self.short else RANDOM if below.candidates else FIRST_RANDOM]:
             yield Start(x, omega_B)
 
     def _exchanged(self, program: Program, candidate: Candidate, grids: Grids) -> list[tuple[Candidate, Grids]]:
@@ -216,7 +191,7 @@ class Search:
         again = candidate
         for _ in range(EXCHANGES):
             omega, band = program.violated(again, self._finer)
-            if not omega and not band:
+            if (not omega and not band) or self._late:
                 break
             grids = grids.refined(omega, band)
             solved = self._again(program, again, grids)
@@ -232,7 +207,6 @@ class Search:
     def _again(self, program: Program, candidate: Candidate, grids: Grids) -> Candidate | None:
         """Solve on another grid, near the last optimum if IPOPT can, else from it, or from the same with less ω_B."""
         for share, near in AGAIN:
-            self._in_time()
             again = program.solve(candidate.x, share * candidate.omega_B, grids, refining=near)
             if again is not None:
                 return again
@@ -242,7 +216,8 @@ class Search:
         """Counterexample loop: refuting frequencies join the grid, the slack required grows."""
         total = 0
         for rounds in range(1, ROUNDS + 1):
-            self._in_time()
+            if self._late:
+                break
             refuting = self.refute(candidate, REACHED * candidate.omega_B)
             if not refuting:
                 return Found(candidate, rounds, total)
@@ -260,10 +235,17 @@ class Search:
             candidate, grids = exchanged[0]
         return None
 
-    def _in_time(self) -> None:
+    @property
+    def _late(self) -> bool:
         demand_none()  # CasADi's callbacks into Python swallow exceptions
-        if self.deadline is not None and time.monotonic() > self.deadline:
-            raise UndecidedError("out of time: no controller was proven within the time limit")
+        return self.deadline is not None and time.monotonic() > self.deadline
+
+    @property
+    def _overtime(self) -> Search:
+        """The same with time enough to prove what was found."""
+        return replace(
+            self, deadline=None if self.deadline is None else max(self.deadline, time.monotonic() + OVERTIME)
+        )
 
 
 def _same(one: float, other: float) -> bool:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 DIGITS = 6  # significant digits that coefficients are rounded to before anything is certified
 LEAST_DAMPING, MOST_DAMPING = 0.02, 5.0  # of pairs of poles; more damping is a pole far beyond the actuator
 FAR, ZEROS = float(np.log(100.0)), 100.0  # poles within a factor 100 of ω₀; bounds on the coefficients of zeros
+FARTHEST = float(np.log(1e5))  # of a filter's corner: as good as the form without one
 
 Coefficients = list[Any]  # descending powers; floats or symbolic expressions
 Filter = tuple[Coefficients, Coefficients] | None
@@ -31,13 +32,17 @@ class Structure(ABC):
     """A family of controllers `num(p)/den(p)` (of Q or of C_imp) with a box of parameters x."""
 
     @property
-    def simpler(self) -> Structure | None:
-        """A smaller family whose optimum `extended` turns into a start for this one."""
-        return None
+    def simpler(self) -> tuple[Structure, ...]:
+        """Smaller families whose optima `extended` turns into starts for this one, so that it ends no lower."""
+        return ()
 
-    def extended(self, x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-        """The same controller as a member of this family, from parameters x of the simpler one."""
+    def extended(self, x: NDArray[np.float64], rng: np.random.Generator, of: Structure) -> NDArray[np.float64]:
+        """The same controller as a member of this family, from parameters x of a simpler one."""
         raise NotImplementedError
+
+    def includes(self, other: Structure) -> bool:
+        """Whether controllers of a simpler family are of this one as they are written, or only in the limit."""
+        return True
 
     @property
     @abstractmethod
@@ -101,19 +106,30 @@ class Sections(Structure):
         """The gain's parameter at a random start."""
 
     @property
-    def simpler(self) -> Sections | None:
+    def simpler(self) -> tuple[Structure, ...]:
         """One section less, or without the real pole."""
         step = 1 if self.order % 2 else 2
-        return type(self)(self.order - step) if self.order - step >= self.least_order else None
+        return (type(self)(self.order - step),) if self.order - step >= self.least_order else ()
 
-    def extended(self, x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
+    def extended(self, x: NDArray[np.float64], rng: np.random.Generator, of: Structure) -> NDArray[np.float64]:
         """Multiply by a random section (or real pole) over itself: the same controller, free to move from there."""
         log_omega, zeta = rng.uniform(-1, 2.5), rng.uniform(LEAST_DAMPING, 1.0)
         n = self.order // 2
         if self.order % 2:
             return np.array([*x[: 2 * n], log_omega, *x[2 * n :], np.exp(-log_omega)])
+        if isinstance(of, Sections) and of.order == self.order - 1:
+            return self._paired(x, log_omega)
         pair = 2 * zeta * np.exp(-log_omega), np.exp(-2 * log_omega)
         return np.array([*x[: n - 1], log_omega, *x[n - 1 : 2 * n - 2], zeta, *x[2 * n - 2 :], *pair])
+
+    def _paired(self, x: NDArray[np.float64], log_pole: float) -> NDArray[np.float64]:
+        """From one order less: a second real pole over itself, paired with the one there is, and so their zeros."""
+        n = self.order // 2
+        own, single = x[2 * n - 2], x[-1]
+        log_pole = float(np.clip(log_pole, own - 4, own + 4))
+        middle, zeta = (own + log_pole) / 2, np.cosh((own - log_pole) / 2)
+        zeros = single + np.exp(-log_pole), single * np.exp(-log_pole)
+        return np.array([*x[: n - 1], middle, *x[n - 1 : 2 * n - 2], zeta, *x[2 * n - 1 : -1], *zeros])
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -170,6 +186,12 @@ class Feedback(Sections):
     relative_degree = 0
     gains = (-np.log(1e4), np.log(1e6))
 
+    @property
+    def simpler(self) -> tuple[Structure, ...]:
+        """One section less, or without the real pole; of even order also one order less, lest it end below that."""
+        below = super().simpler
+        return (*below, Feedback(self.order - 1)) if below and self.order % 2 == 0 else below
+
     def gain(self, parameter: Any, exp: Any) -> Any:
         """`C(0) > 0`."""
         return exp(parameter)
@@ -191,23 +213,29 @@ class Classical(Structure):
     filtered: bool = False
 
     @property
-    def simpler(self) -> Classical | None:
-        """The same without the lead."""
-        return replace(self, lead=False) if self.lead else None
+    def simpler(self) -> tuple[Structure, ...]:
+        """The same without one of its factors, which is its limit; an integrator is none of any other form's."""
+        return tuple(replace(self, **{name: False}) for name in ("filtered", "lead") if getattr(self, name))
 
-    def extended(self, x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
-        """With a lead whose pole cancels its zero."""
+    def extended(self, x: NDArray[np.float64], rng: np.random.Generator, of: Structure) -> NDArray[np.float64]:
+        """With a lead whose pole cancels its zero, or with a filter as far out as it may be."""
+        if self.filtered and not getattr(of, "filtered", False):
+            return np.array([*x, FARTHEST])
         at = 1 + self.integral
         return np.array([*x[:at], *[rng.uniform(-1, 3)] * 2, *x[at:]])
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """See `Structure`."""
-        corners = self.integral + 2 * self.lead + self.filtered
+        corners = self.integral + 2 * self.lead
         return (
-            np.array([Feedback.gains[0]] + [-FAR] * corners),
-            np.array([Feedback.gains[1]] + [FAR] * corners),
+            np.array([Feedback.gains[0]] + [-FAR] * (corners + self.filtered)),
+            np.array([Feedback.gains[1]] + [FAR] * corners + [FARTHEST] * self.filtered),
         )
+
+    def includes(self, other: Structure) -> bool:
+        """Not without its filter."""
+        return isinstance(other, Classical) and other.filtered == self.filtered
 
     def start(self, rng: np.random.Generator) -> NDArray[np.float64]:
         """A gain of order one; the integrator acts below ω₀, the others above."""
@@ -227,6 +255,14 @@ class Classical(Structure):
         if self.filtered:
             num, den = convolve(num, [corners[0]]), convolve(den, [1.0, corners[0]])
         return num, den
+
+
+def contained(structure: Structure) -> list[Structure]:
+    """All simpler families and theirs, each after those it contains, and the structure itself as the last."""
+    found: list[Structure] = []
+    for simpler in structure.simpler:
+        found += [s for s in contained(simpler) if s not in found]
+    return [*found, structure]
 
 
 FORMS: dict[str, Structure] = {"eq23": QFilter(2)}

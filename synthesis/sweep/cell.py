@@ -119,7 +119,8 @@ def solve_cell(task: Task) -> tuple[Cell, bytes | None]:
         return Cell(task.index, status, None, cause, reason, time.monotonic() - began), None
 
     try:
-        result = synthesize(task.spec, time_limit=task.time_limit, starts=_starts(task.spec, task.start))
+        starts = _starts(task.spec, task.start)
+        result = synthesize(task.spec, time_limit=task.time_limit, starts=starts, advise=False)
     except InfeasibleError as error:
         return failed(Status.INFEASIBLE, error.what or "infeasible", str(error))
     except RobimpError as error:

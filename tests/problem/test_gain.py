@@ -34,6 +34,13 @@ def slack(asked: Setting, k: float) -> float:
     )
 
 
+def slack_of_peak(asked: Setting, k: float) -> float:
+    """Where passivity fails another constraint need not."""
+    X = asked.variables(asked.compensator(Polynomials(numerator=(Fraction(k),), denominator=(Fraction(1),))))
+    (peak,) = (c for c in constraints(asked) if c.id == "peak")
+    return Evaluator(asked, np.geomspace(0.01, 1e6, 800)).worst(peak, 2.0, X)[0]
+
+
 @pytest.mark.parametrize("controller", [GAIN, "{type: dynamic-feedback, order: 0}"])
 def test_a_gain_cannot_attenuate_and_be_passive(controller: str) -> None:
     asked = joint(0.3, controller)
@@ -41,6 +48,13 @@ def test_a_gain_cannot_attenuate_and_be_passive(controller: str) -> None:
     assert found is not None and found.what == "(12) structured and attenuation"
     assert "for any C_imp = k" in str(found) and "form: pi" in found.remedy
     assert 100 < found.omega < 2000, "where passivity fails"
+    passivity, attenuation = found.why.split("; ")
+    assert f"at ω = {found.omega:.4g} rad/s" in passivity and "ω → 0" in attenuation
+    assert "rad/s" not in str(found).split(": ")[0] and "→" not in str(found).split(": ")[0], "no place is shared"
+    edge = float(passivity.split("k = ")[1].split()[0])
+    X = asked.variables(asked.compensator(Polynomials(numerator=(Fraction(edge),), denominator=(Fraction(1),))))
+    (passive,) = (c for c in constraints(asked) if c.id == "eq12" and c.required)
+    assert Evaluator(asked, np.array([found.omega])).worst(passive, 0.0, X)[0] < 0 < slack_of_peak(asked, edge)
     for k in np.geomspace(1e-4, 1e6, 20):
         assert slack(asked, float(k)) < 0, "and so each of them fails"
 

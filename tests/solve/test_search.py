@@ -220,3 +220,55 @@ def test_orders_6_and_8_on_the_reference_joint() -> None:
         reached[order] = found.candidate.omega_B
     assert reached[6] >= 48 and reached[8] >= 50.7
     assert reached[8] > reached[6]
+
+
+# Time
+
+
+def in_time(monkeypatch: pytest.MonkeyPatch, cut: int, **options: Any) -> tuple[Found | None, list[Structure]]:
+    """A search of order 4 whose time is up when the program has been solved so often; and what it tried to prove."""
+    clock, asked, solve, genuine = [0.0], list[Structure](), Program.solve, Search._best
+
+    def counted(program: Program, *arguments: Any, **more: Any) -> Any:
+        clock[0] += 1.0
+        return solve(program, *arguments, **more)
+
+    def proving(search: Search, program: Program, optima: Optima) -> Found | None:
+        asked.append(program.structure)
+        return genuine(search, program, optima)
+
+    monkeypatch.setattr(Program, "solve", counted)
+    monkeypatch.setattr(Search, "_best", proving)
+    monkeypatch.setattr(search_module.time, "monotonic", lambda: clock[0])
+    joint = setting()
+    refute = partial(lambda joint, c, w: counterexamples(joint, joint.compensator(c), w), joint)
+    found = Search(joint, refute, 50.0, lambda text: None, deadline=cut - 0.5, **options).run()
+    return found, asked
+
+
+@pytest.mark.parametrize(("cut", "order"), [(8, 2), (10**6, 4)])
+def test_out_of_time_the_best_that_is_known_is_proven(monkeypatch: pytest.MonkeyPatch, cut: int, order: int) -> None:
+    known: dict[Any, Any] = {}
+    found, asked = in_time(monkeypatch, cut, known=known)
+    assert found is not None and proven(setting(), found)
+    assert len(found.candidate.coefficients.denominator) == order + 1 and asked[-1] == QFilter(order)
+    assert found.late is (cut < 10**6)
+    assert len(known) == (0 if found.late else 2), "what was not searched to its end is not handed on"
+
+
+def test_out_of_time_before_there_is_anything_is_undecided(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(UndecidedError, match="out of time"):
+        in_time(monkeypatch, 1)
+
+
+def test_a_filter_costs_nothing_and_a_higher_order_never_ends_lower() -> None:
+    """The forms and orders of dynamic-error feedback, each against all it contains."""
+    reached: dict[str, float] = {}
+    for controller in ("form: pi-lead", "form: pi-lead-filtered", "order: 3", "order: 4"):
+        joint = setting(("type: dob, order: 4", f"type: dynamic-feedback, {controller}"))
+        refute = partial(lambda joint, c, w: counterexamples(joint, joint.compensator(c), w), joint)
+        found = Search(joint, refute, 53.5, lambda text: None).run()
+        assert found is not None and proven(joint, found)
+        reached[controller] = found.candidate.omega_B
+    assert reached["form: pi-lead-filtered"] > 0.9999 * reached["form: pi-lead"] > 21.7
+    assert reached["order: 4"] > reached["order: 3"] > 42

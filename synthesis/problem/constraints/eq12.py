@@ -107,7 +107,7 @@ def _structured(setting: Setting, level: Fraction, band: tuple[Fraction, Fractio
         band=band,
         strict=False,
         positive_real=band[1] is None,
-        remedy="give a band on which the weight stays below 1, or reduce the weight",
+        remedy="" if source is Source.NONE else "give a band on which the weight stays below 1, or reduce the weight",
     )
 
 
