@@ -271,4 +271,4 @@ def test_a_filter_costs_nothing_and_a_higher_order_never_ends_lower() -> None:
         assert found is not None and proven(joint, found)
         reached[controller] = found.candidate.omega_B
     assert reached["form: pi-lead-filtered"] > 0.9999 * reached["form: pi-lead"] > 21.7
-    assert reached["order: 4"] > reached["order: 3"] > 42
+    assert reached["order: 4"] >= reached["order: 3"] > 42
