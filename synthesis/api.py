@@ -11,8 +11,9 @@ from .errors import ExitCode, InputError, Location, MismatchError, UndecidedErro
 
 if TYPE_CHECKING:
     from .challenge import Reality
+    from .design import Shared
     from .judgement import Judgement
-    from .pipeline import Result, Shared
+    from .pipeline import Result
     from .replay import Replay
     from .solve.bound import Bound
     from .spec.model import Polynomials, Spec

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
 from importlib.metadata import version
-from math import inf
 from typing import TYPE_CHECKING, Any
 
 from ..models.controller import Compensator
 from ..models.sampling import Held
 from .agreement import Agreement, compare
 from .certificate.claim import Claim
-from .certificate.claims import Counterexample, certify, counterexamples
+from .certificate.claims import certify
 from .certificate.document import document, encoded, robustly_stable, verdict
 from .certificate.outcome import Outcome
 from .check import Verdict
+from .design import Design, Progress, Proofs, Shared
 from .errors import ExitCode, InputError, RefutedError, RobimpError, UndecidedError
 from .interruption import demand_none, demanding
 from .problem.grid import frequency_scale
@@ -33,10 +33,7 @@ from .spec.model import Polynomials, Spec
 if TYPE_CHECKING:
     from .solve.bound import Bound
     from .solve.corner import Corner
-    from .solve.nlp import Candidate
 
-Progress = Callable[[str], None]
-Proofs = dict[tuple[Spec, Polynomials], tuple[Claim, ...]]  # about controllers that the search has had certified
 
 FLOAT_DECADES = 1e9  # ratio of frequencies beyond which poles in floating point mean little
 SMALLEST, LARGEST = Fraction(1, 2**126), (2 - Fraction(1, 2**23)) * 2**127  # normal numbers of single precision
@@ -133,7 +130,8 @@ def synthesize(
     proofs: Proofs = {}
     if spec.controller.coefficients is None:
         deadline = None if time_limit is None else began + time_limit
-        candidate, limit, late = _search(setting, progress, deadline, starts, shared, seed, proofs, advise)
+        search = Design(setting, progress, proofs, Shared() if shared is None else shared, seed, deadline, advise)
+        candidate, limit, late = search.run(tuple(starts))
         coefficients, corner = candidate.coefficients, candidate.corner
     else:
         coefficients, corner, limit, late = spec.controller.coefficients, None, None, False
@@ -234,83 +232,6 @@ def _demand_range(setting: Setting, coefficients: Polynomials) -> None:
                 f"controller.coefficients: {float(c):.4g} is outside the range of single precision, 1.2e-38 to 3.4e38, "
                 "which constraints.tolerance asks for; multiply numerator and denominator by a common factor"
             )
-
-
-@dataclass
-class Shared:
-    """What searches for controllers of several orders on one joint have in common: the bound, and lower orders."""
-
-    bound: Bound | None = None
-    known: dict[Any, Any] = field(default_factory=dict)
-
-
-def _search(
-    setting: Setting,
-    progress: Progress,
-    deadline: float | None,
-    starts: Sequence[tuple[Polynomials, float]],
-    shared: Shared | None,
-    seed: int,
-    proofs: Proofs,
-    advise: bool,
-) -> tuple[Candidate, Bound | None, bool]:
-    from .solve.attempt import Attempts
-    from .solve.bound import bound
-    from .solve.infeasible import impossible, unattainable
-    from .solve.search import Search
-
-    attempts = Attempts(lambda s, c, omega_B: _refuting(s, c, omega_B, {}), seed, deadline)
-    reached = attempts.reached if advise else None
-    if (reason := impossible(setting, reached)) is not None:
-        raise reason.error()
-    shared = Shared() if shared is None else shared
-    if shared.bound is None:
-        unmet = None
-        try:
-            shared.bound = bound(setting, progress=progress)
-            if shared.bound is None and attempts.find(setting, bounded=False) is None:
-                unmet = unattainable(setting, reached)
-        except UndecidedError as error:  # the search does without
-            progress(str(error))
-        if unmet is not None:
-            raise unmet.error()
-    limit, (low, high) = shared.bound, frequency_scale(setting)
-    expected = limit.omega_B if limit is not None else max((w for _, w in starts), default=(low * high) ** 0.5)
-    search = Search(
-        setting,
-        lambda c, omega_B: _refuting(setting, c, omega_B, proofs),
-        expected,
-        progress,
-        ideal=None if limit is None else limit.response,
-        seed=seed,
-        deadline=deadline,
-        starts=tuple(starts),
-        known=shared.known,
-    )
-    found = search.run() or (attempts.find(setting, bounded=True) if limit is not None else None)
-    if found is None:
-        hint = "even the convex bound finds none" if limit is None else f"{limit.text}{limit.binds}"
-        raise UndecidedError(
-            f"no controller of this structure was found that can be proven ({hint}); try another order, a smaller "
-            "uncertainty, more damping in the impedance, or a larger attenuation"
-        )
-    if limit is not None and limit.limited and limit.omega_B < found.candidate.omega_B:  # too few terms
-        limit = bound(setting, 2 * limit.terms, progress)
-        limit = limit if limit is not None and limit.omega_B >= found.candidate.omega_B else None
-        shared.bound = limit
-    return found.candidate, limit, found.late
-
-
-def _refuting(setting: Setting, c: Candidate, omega_B: float, proofs: Proofs) -> tuple[Counterexample, ...]:
-    """Where the required claims fail; on cells a margin is harder to prove than the level, so all claims are asked."""
-    setting = setting.resolved(None if c.corner is None else c.corner.omega)
-    C = setting.compensator(c.coefficients)
-    found = counterexamples(setting, C, omega_B)
-    if found or setting.polynomial:
-        return found
-    claims = proofs[setting.spec, c.coefficients] = certify(setting, C)
-    short = (claim.id for claim in claims if claim.required and claim.status is not Outcome.PROVEN)
-    return tuple(Counterexample(id, inf, False) for id in short)
 
 
 def _producer() -> dict[str, str]:

@@ -17,8 +17,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGES = {"models": ROOT / "models", "synthesis": ROOT / "synthesis"}
 LAYERS = ["errors", "interruption", "storage", "notebook", "models", "spec", "problem", "solve", "certificate", "check"]
-LAYERS += ["simulation", "written", "report", "identify", "agreement", "recheck", "pipeline", "sweep", "challenge"]
-LAYERS += ["replay"]
+LAYERS += ["simulation", "written", "report", "identify", "agreement", "recheck", "design", "pipeline", "sweep"]
+LAYERS += ["challenge", "replay"]
 LAYERS += ["controller_file", "judgement", "export", "api", "cli"]
 HEAVY = ("cvxpy", "casadi", "control", "matplotlib", "numpy", "flint")
 MOST_LINES = 300

@@ -76,7 +76,8 @@ def _synth_orders(
     path: Path, specs: list[Spec], folder: Path, time_limit: float | None, seed: int, as_json: bool
 ) -> list[ExitCode]:
     """One certificate for each order, bandwidth against order under the bound; an order without one does not stop."""
-    from ..pipeline import Result, Shared, synthesize
+    from ..design import Shared
+    from ..pipeline import Result, synthesize
     from ..report.orders import OfOrder, figure, listed, show_orders
     from ..report.progress import status_line
     from ..storage import demand_writable, discard, write_atomic

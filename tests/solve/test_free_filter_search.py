@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from good_joint import setting
 
-from robimp.synthesis import pipeline
+from robimp.synthesis import design
 from robimp.synthesis.certificate.claims import Counterexample, counterexamples
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.solve.corner import Corner
@@ -190,12 +190,12 @@ def test_a_proof_of_one_corner_is_not_taken_for_another(monkeypatch: pytest.Monk
     )
     assert not sampled.polynomial
     asked: list[Fraction | None] = []
-    monkeypatch.setattr(pipeline, "counterexamples", lambda setting, C, omega_B: ())
+    monkeypatch.setattr(design, "counterexamples", lambda setting, C, omega_B: ())
     monkeypatch.setattr(
-        pipeline, "certify", lambda setting, C: asked.append(setting.spec.controller.filters.force_corner) or ()
+        design, "certify", lambda setting, C: asked.append(setting.spec.controller.filters.force_corner) or ()
     )
-    proofs: pipeline.Proofs = {}
+    proofs: design.Proofs = {}
     gain = Polynomials(numerator=(Fraction(9),), denominator=(Fraction(1),))
     for omega in (Fraction(4), Fraction(5)):
-        pipeline._refuting(sampled, Candidate(gain, 1.0, np.zeros(2), Corner(omega)), 1.0, proofs)
+        design.refuting(sampled, Candidate(gain, 1.0, np.zeros(2), Corner(omega)), 1.0, proofs)
     assert asked == [4, 5] and len(proofs) == 2
