@@ -19,8 +19,10 @@ from ..interruption import demand_none
 from ..problem.grid import frequency_scale
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
+from .nearby import best_nearby
 from .nlp import Candidate, Program
 from .places import Grids
+from .polish import Polisher
 from .reduction import Response, reduced
 from .structure import Structure, structure_of
 
@@ -58,6 +60,7 @@ class Counterexample(Protocol):
 
 
 Refute = Callable[[Polynomials, float], Sequence[Counterexample]]  # coefficients, ω_B → () when all required is proven
+Again = Callable[[Candidate, Grids], tuple[Candidate, Grids] | None]  # an optimum on another grid, and the grid it took
 Progress = Callable[[str], None]
 
 
@@ -150,8 +153,21 @@ class Search:
                 self.progress(f"nothing proven; searching {structure} for its own sake")
                 best = self._best(program, self._optima(program, found[k - 1], asked=True))
             if best is not None:
-                return best
+                return self._farther(structure, best, found[k])
         return None
+
+    def _farther(self, structure: Structure, proven: Found, optima: Optima) -> Found:
+        """The better of what is proven and what can be with poles farther out, where that is worth a search."""
+        if structure.wider is None or not self.setting.polynomial:  # a proof on cells loses more than this wins
+            return proven
+        self.progress(f"searching {structure} with poles farther out")
+        polisher = Polisher.of(self.setting, structure.wider, self.omega_0)
+        try:
+            best = best_nearby(polisher, optima.candidates, self.ideal, self.seed, self._in_time)
+            found = None if best is None else self._prove(polisher.again, *best)
+        except UndecidedError:  # out of time
+            found = None
+        return max((f for f in (proven, found) if f is not None), key=lambda f: f.candidate.omega_B)
 
     def _best(self, program: Program, optima: Optima) -> Found | None:
         """The best that can be proven of one structure's optima."""
@@ -159,7 +175,7 @@ class Search:
         for candidate in optima.candidates:
             if best is not None and best.candidate.omega_B >= REACHED * candidate.omega_B:
                 break  # the others, too, would have to lose less to their proofs
-            found = self._prove(program, candidate, optima.grids)
+            found = self._prove(lambda c, grids: self._solved_again(program, c, grids), candidate, optima.grids)
             if best is None or (found is not None and found.candidate.omega_B > best.candidate.omega_B):
                 best = found
         return best
@@ -237,7 +253,12 @@ class Search:
                 return again
         return None
 
-    def _prove(self, program: Program, candidate: Candidate, grids: Grids) -> Found | None:
+    def _solved_again(self, program: Program, candidate: Candidate, grids: Grids) -> tuple[Candidate, Grids] | None:
+        again = self._again(program, candidate, grids)
+        exchanged = [] if again is None else self._exchanged(program, again, grids)
+        return exchanged[0] if exchanged else None
+
+    def _prove(self, again: Again, candidate: Candidate, grids: Grids) -> Found | None:
         """Counterexample loop: refuting frequencies join the grid, the slack required grows."""
         total = 0
         for rounds in range(1, ROUNDS + 1):
@@ -252,11 +273,10 @@ class Search:
                 [c.omega for c in refuting if not c.on_band and 0 < c.omega < np.inf],
                 [c.omega / candidate.omega_B for c in refuting if c.on_band],
             )
-            again = self._again(program, candidate, grids)
-            exchanged = [] if again is None else self._exchanged(program, again, grids)
-            if not exchanged:
+            solved = again(candidate, grids)
+            if solved is None:
                 return None
-            candidate, grids = exchanged[0]
+            candidate, grids = solved
         return None
 
     def _in_time(self) -> None:

@@ -7,7 +7,7 @@ line in `FORMS`.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 DIGITS = 6  # significant digits that coefficients are rounded to before anything is certified
 LEAST_DAMPING, MOST_DAMPING = 0.02, 5.0  # of pairs of poles; more damping is a pole far beyond the actuator
 FAR, ZEROS = float(np.log(100.0)), 100.0  # poles within a factor 100 of ω₀; bounds on the coefficients of zeros
+FARTHEST, MOST_APART = float(np.log(1e4)), 10.0  # where they may be `far`: the same, and the damping of pairs
+LEAST_WIDER = 8  # order from which on far poles are looked for: lower ones gain less than 0.4 % by them
 
 Coefficients = list[Any]  # descending powers; floats or symbolic expressions
 
@@ -36,6 +38,11 @@ class Structure(ABC):
     def extended(self, x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
         """The same controller as a member of this family, from parameters x of the simpler one."""
         raise NotImplementedError
+
+    @property
+    def wider(self) -> Structure | None:
+        """The same family with poles allowed farther out; None where that is not worth a search."""
+        return None
 
     @property
     @abstractmethod
@@ -74,6 +81,7 @@ class Sections(Structure):
     """
 
     order: int
+    far: bool = field(default=False, repr=False)
 
     least_order: ClassVar[int]
     relative_degree: ClassVar[int]
@@ -93,6 +101,11 @@ class Sections(Structure):
         step = 1 if self.order % 2 else 2
         return type(self)(self.order - step) if self.order - step >= self.least_order else None
 
+    @property
+    def wider(self) -> Sections | None:
+        """From some order on, so that zeros can be free and the roll-off begins beyond everything else."""
+        return replace(self, far=True) if self.order >= LEAST_WIDER and not self.far else None
+
     def extended(self, x: NDArray[np.float64], rng: np.random.Generator) -> NDArray[np.float64]:
         """Multiply by a random section (or real pole) over itself: the same controller, free to move from there."""
         log_omega, zeta = rng.uniform(-1, 2.5), rng.uniform(LEAST_DAMPING, 1.0)
@@ -106,14 +119,19 @@ class Sections(Structure):
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """See `Structure`."""
         n, odd, zeros = self.order // 2, self.order % 2, self.order - self.relative_degree
+        far = FARTHEST if self.far else FAR
+        most = [1.0] + [MOST_APART] * (n - 1) if self.far else [MOST_DAMPING] * n  # the first pair is the roll-off
         low = [-FAR] * n + [LEAST_DAMPING] * n + [-FAR] * odd + [self.gains[0]] + [-ZEROS] * zeros
-        high = [FAR] * n + [MOST_DAMPING] * n + [FAR] * odd + [self.gains[1]] + [ZEROS] * zeros
+        high = [far] * n + most + [far] * odd + [self.gains[1]] + [ZEROS] * zeros
         return np.array(low), np.array(high)
 
     def start(self, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Poles and zeros around and above ω₀."""
+        """Poles and zeros around and above ω₀; if far, one pair is far out, and one is a slow and a fast pole."""
         n, odd, zeros = self.order // 2, self.order % 2, self.order - self.relative_degree
         poles = np.concatenate([rng.uniform(-1, 2, n), rng.uniform(0.2, 1.0, n), rng.uniform(-1, 2, odd)])
+        if self.far:
+            poles[0], poles[1] = rng.uniform(FARTHEST - 1, FARTHEST), rng.uniform(1.8, 2.6)
+            poles[n + 1] = rng.uniform(3, 8)
         inverse, damping = np.exp(rng.uniform(-2, 0.5, (zeros + 1) // 2)), rng.uniform(0.2, 1.0, (zeros + 1) // 2)
         pairs = np.stack([2 * damping * inverse, inverse**2], axis=1).ravel()[:zeros]
         return np.concatenate([poles, [self.first_gain(rng)], pairs])
