@@ -30,11 +30,7 @@ GAIN = 1e-7  # of log ω_B: a step that promises less is the last
 SHORT = 1e-6  # relative shortfall of a point that counts as feasible
 FINE, FINEST = (2, 60, 30), (12, 360, 1000)  # where it is solved, and where it is looked at: see `dense`
 NEAR, BEYOND = (0.5, 4.0), (20.0, 10.0)  # parts of ω₀; from its multiple to one of the farthest pole
-    (0.5, 4.0),
-    (20.0, 10.0),
-    (30, 15),
-)  # times these: points around ω₀, and beyond as far as poles go
-EXCHANGES = 6
+EXCHANGES = 10
 ROOM = 120, 24  # places for further points, on the axis and in the band
 
 
