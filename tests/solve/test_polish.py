@@ -98,9 +98,7 @@ def test_a_point_that_no_step_makes_feasible_is_none(monkeypatch: pytest.MonkeyP
     once = polisher().refined(rough().x, rough().omega_B)
     monkeypatch.setattr(import_module("robimp.synthesis.solve.polish"), "STEPS", 0)
     assert polisher().refined(rough().x, 2 * rough().omega_B) is None
-    assert once is not None and polisher().refined(once.x, once.omega_B) is not None, (
-        "a feasible one is kept"
-    )
+    assert once is not None and polisher().refined(once.x, once.omega_B) is not None, "a feasible one is kept"
 
 
 # Those beside it
