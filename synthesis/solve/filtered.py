@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from ..spec.model import FREE, Spec
+from .classical import FORMS
 from .corner import Corner
-from .structure import FAR, FORMS, Coefficients, Feedback, Filter, QFilter, Structure, few_digits
+from .structure import FAR, Coefficients, Feedback, Filter, QFilter, Structure, few_digits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

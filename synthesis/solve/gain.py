@@ -15,11 +15,12 @@ import numpy as np
 from ..problem.constraints.inequality import Variable
 from ..problem.grid import frequency_scale
 from ..problem.setting import Setting
+from .classical import Classical
 from .conflict import Group, groups_of
 from .filtered import structure_of
 from .plane import ROUNDING, Demand, Disc, Plane
 from .reason import Impossible, name, place
-from .structure import Classical, Feedback
+from .structure import Feedback
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -114,12 +114,12 @@ class Program:
     def solver(self, refining: bool) -> Any:
         """IPOPT, prepared to explore from afar or to stay near its start."""
         if refining not in self.solvers:
-            options = IPOPT | (REFINING if refining else EXPLORING) | self._derivatives
+            options = IPOPT | (REFINING if refining else EXPLORING) | self.derivatives
             self.solvers[refining] = ca.nlpsol("synthesis", "ipopt", self.nlp, options)
         return self.solvers[refining]
 
     @cached_property
-    def _derivatives(self) -> dict[str, Any]:
+    def derivatives(self) -> dict[str, Any]:
         """Exact, for both solvers: the functions IPOPT asks CasADi for, by CasADi's names."""
         nlp = ca.Function("nlp", self.nlp, ["x", "p"], ["f", "g"])
         return {
@@ -130,7 +130,7 @@ class Program:
             ),
         }
 
-    def _placed(self, grids: Grids) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def placed(self, grids: Grids) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The program's parameters for a grid, and the least slack of each row: −∞ at places that are not used."""
         omega, used = filled(grids.omega, grids.added, self.places.count)
         band, used_band = filled(grids.band, grids.added_band, self.nlp["p"].shape[0] - self._columns)
@@ -146,12 +146,12 @@ class Program:
 
     def violation(self, x: NDArray[np.float64], omega_B: float, grids: Grids) -> float:
         """Worst shortfall of any inequality at a start: how far the search begins from feasible."""
-        p, least = self._placed(grids)
+        p, least = self.placed(grids)
         return self._shortfall(x, omega_B, p, least)
 
     def nearest(self, starts: Sequence[NDArray[np.float64]], omega_B: float, grids: Grids) -> list[NDArray[np.float64]]:
         """Starts in the order of their violation."""
-        p, least = self._placed(grids)
+        p, least = self.placed(grids)
         return sorted(starts, key=lambda x: self._shortfall(x, omega_B, p, least))
 
     def _shortfall(
@@ -164,7 +164,7 @@ class Program:
         self, x: NDArray[np.float64], omega_B: float, grids: Grids, *, refining: bool = False
     ) -> Candidate | None:
         """Search from one start. Returns None when the solver does not end at a point it calls feasible."""
-        p, least = self._placed(grids)
+        p, least = self.placed(grids)
         solver, start = self.solver(refining), np.append(x, np.log(omega_B / self.omega_0))
         result = solver(x0=start, p=p, lbg=least, ubg=np.inf, **self.bounds)
         solution, stats = np.array(result["x"]).ravel(), solver.stats()

@@ -27,6 +27,7 @@ class Counterexample(Protocol):
 
 
 Refute = Callable[[Candidate, float], Sequence[Counterexample]]  # candidate, ω_B → () when all required is proven
+Again = Callable[[Candidate, Grids], tuple[Candidate, Grids] | None]  # an optimum on another grid, and the grid it took
 Progress = Callable[[str], None]
 
 

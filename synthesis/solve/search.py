@@ -19,9 +19,11 @@ from ..problem.grid import frequency_scale
 from ..problem.setting import Setting
 from ..spec.model import Polynomials
 from .filtered import structure_of
+from .nearby import best_nearby
 from .nlp import Candidate, Program
-from .optima import Found, Optima, Progress, Refute, Start
+from .optima import Again, Found, Optima, Progress, Refute, Start
 from .places import Grids
+from .polish import Polisher
 from .reduction import Response, reduced
 from .structure import Structure, contained
 
@@ -118,11 +120,22 @@ class Search:
                 self.progress(f"nothing proven; searching {structure} for its own sake")  # so far it only gave starts
                 best = self._best(program, self._optima(program, self._below(structure, found, first), asked=True))
             if best is not None:
-                return replace(best, late=late)
+                best = self._farther(structure, best, found[structure])
+                return replace(best, late=late or self._late)
         return None
 
     def _below(self, structure: Structure, found: dict[Structure, Optima], first: Grids) -> Optima:
         return Optima.all_of([found[simpler] for simpler in structure.simpler if simpler in found], first)
+
+    def _farther(self, structure: Structure, proven: Found, optima: Optima) -> Found:
+        """The better of what is proven and what can be with poles farther out, where that is worth a search."""
+        if structure.wider is None or not self.setting.polynomial or self._late:
+            return proven  # a proof on cells loses more than this wins
+        self.progress(f"searching {structure} with poles farther out")
+        polisher = Polisher.of(self.setting, structure.wider, self.omega_0)
+        best = best_nearby(polisher, optima.candidates, self.ideal, self.seed, lambda: self._late)
+        found = None if best is None else self._prove(polisher.again, *best)
+        return proven if found is None or found.candidate.omega_B < proven.candidate.omega_B else found
 
     def _best(self, program: Program, optima: Optima) -> Found | None:
         """The best that can be proven of one structure's optima."""
@@ -130,7 +143,7 @@ class Search:
         for candidate in optima.candidates:
             if best is not None and best.candidate.omega_B >= REACHED * candidate.omega_B:
                 break  # the others, too, would have to lose less to their proofs
-            found = self._prove(program, candidate, optima.grids)
+            found = self._prove(lambda c, grids: self._solved_again(program, c, grids), candidate, optima.grids)
             if best is None or (found is not None and found.candidate.omega_B > best.candidate.omega_B):
                 best = found
         return best
@@ -212,7 +225,12 @@ class Search:
                 return again
         return None
 
-    def _prove(self, program: Program, candidate: Candidate, grids: Grids) -> Found | None:
+    def _solved_again(self, program: Program, candidate: Candidate, grids: Grids) -> tuple[Candidate, Grids] | None:
+        again = self._again(program, candidate, grids)
+        exchanged = [] if again is None else self._exchanged(program, again, grids)
+        return exchanged[0] if exchanged else None
+
+    def _prove(self, again: Again, candidate: Candidate, grids: Grids) -> Found | None:
         """Counterexample loop: refuting frequencies join the grid, the slack required grows."""
         total = 0
         for rounds in range(1, ROUNDS + 1):
@@ -228,11 +246,10 @@ class Search:
                 [c.omega for c in refuting if not c.on_band and 0 < c.omega < np.inf],
                 [c.omega / candidate.omega_B for c in refuting if c.on_band],
             )
-            again = self._again(program, candidate, grids)
-            exchanged = [] if again is None else self._exchanged(program, again, grids)
-            if not exchanged:
+            solved = again(candidate, grids)
+            if solved is None:
                 return None
-            candidate, grids = exchanged[0]
+            candidate, grids = solved
         return None
 
     @property

@@ -1,13 +1,13 @@
 """Controller structures: which numbers are searched, where the search starts, and what polynomials they stand for.
 
 Everything is in the normalised variable p = s/ω₀. A structure is one class: adding one is the class, its test, and its
-line in `FORMS`.
+line in `FORMS` of classical.py.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 DIGITS = 6  # significant digits that coefficients are rounded to before anything is certified
 LEAST_DAMPING, MOST_DAMPING = 0.02, 5.0  # of pairs of poles; more damping is a pole far beyond the actuator
 FAR, ZEROS = float(np.log(100.0)), 100.0  # poles within a factor 100 of ω₀; bounds on the coefficients of zeros
-FARTHEST = float(np.log(1e5))  # of a filter's corner: as good as the form without one
+FARTHEST, MOST_APART = float(np.log(1e4)), 10.0  # where they may be `far`: the same, and the damping of pairs
+LEAST_WIDER = 8  # order from which on far poles are looked for: lower ones gain less than 0.4 % by them
 
 Coefficients = list[Any]  # descending powers; floats or symbolic expressions
 Filter = tuple[Coefficients, Coefficients] | None
@@ -43,6 +44,11 @@ class Structure(ABC):
     def includes(self, other: Structure) -> bool:
         """Whether controllers of a simpler family are of this one as they are written, or only in the limit."""
         return True
+
+    @property
+    def wider(self) -> Structure | None:
+        """The same family with poles allowed farther out; None where that is not worth a search."""
+        return None
 
     @property
     @abstractmethod
@@ -92,6 +98,7 @@ class Sections(Structure):
     """
 
     order: int
+    far: bool = field(default=False, repr=False)
 
     least_order: ClassVar[int]
     relative_degree: ClassVar[int]
@@ -135,14 +142,19 @@ class Sections(Structure):
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """See `Structure`."""
         n, odd, zeros = self.order // 2, self.order % 2, self.order - self.relative_degree
+        far = FARTHEST if self.far else FAR
+        most = [1.0] + [MOST_APART] * (n - 1) if self.far else [MOST_DAMPING] * n  # the first pair is the roll-off
         low = [-FAR] * n + [LEAST_DAMPING] * n + [-FAR] * odd + [self.gains[0]] + [-ZEROS] * zeros
-        high = [FAR] * n + [MOST_DAMPING] * n + [FAR] * odd + [self.gains[1]] + [ZEROS] * zeros
+        high = [far] * n + most + [far] * odd + [self.gains[1]] + [ZEROS] * zeros
         return np.array(low), np.array(high)
 
     def start(self, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Poles and zeros around and above ω₀."""
+        """Poles and zeros around and above ω₀; if far, one pair is far out, and one is a slow and a fast pole."""
         n, odd, zeros = self.order // 2, self.order % 2, self.order - self.relative_degree
         poles = np.concatenate([rng.uniform(-1, 2, n), rng.uniform(0.2, 1.0, n), rng.uniform(-1, 2, odd)])
+        if self.far:
+            poles[0], poles[1] = rng.uniform(FARTHEST - 1, FARTHEST), rng.uniform(1.8, 2.6)
+            poles[n + 1] = rng.uniform(3, 8)
         inverse, damping = np.exp(rng.uniform(-2, 0.5, (zeros + 1) // 2)), rng.uniform(0.2, 1.0, (zeros + 1) // 2)
         pairs = np.stack([2 * damping * inverse, inverse**2], axis=1).ravel()[:zeros]
         return np.concatenate([poles, [self.first_gain(rng)], pairs])
@@ -169,6 +181,11 @@ class QFilter(Sections):
     least_order = 2
     relative_degree = 2
     gains = (0.0, 2.0)
+
+    @property
+    def wider(self) -> QFilter | None:
+        """From some order on, so that zeros can be free and the roll-off begins beyond everything else."""
+        return replace(self, far=True) if self.order >= LEAST_WIDER and not self.far else None
 
     def gain(self, parameter: Any, exp: Any) -> Any:
         """`Q(0)`, which may be 1."""
@@ -201,77 +218,12 @@ class Feedback(Sections):
         return float(np.log(rng.uniform(0.1, 3.0)))
 
 
-@dataclass(frozen=True)
-class Classical(Structure):
-    """`C_imp = k·(1 + ω_i/s)·(1 + s/ω_z)/(1 + s/ω_p)·1/(1 + s/ω_f)`: gain, integrator, lead or lag, filter.
-
-    x: the logarithms of k and of the frequencies of the factors it has.
-    """
-
-    integral: bool = False
-    lead: bool = False
-    filtered: bool = False
-
-    @property
-    def simpler(self) -> tuple[Structure, ...]:
-        """The same without one of its factors, which is its limit; an integrator is none of any other form's."""
-        return tuple(replace(self, **{name: False}) for name in ("filtered", "lead") if getattr(self, name))
-
-    def extended(self, x: NDArray[np.float64], rng: np.random.Generator, of: Structure) -> NDArray[np.float64]:
-        """With a lead whose pole cancels its zero, or with a filter as far out as it may be."""
-        if self.filtered and not getattr(of, "filtered", False):
-            return np.array([*x, FARTHEST])
-        at = 1 + self.integral
-        return np.array([*x[:at], *[rng.uniform(-1, 3)] * 2, *x[at:]])
-
-    @property
-    def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """See `Structure`."""
-        corners = self.integral + 2 * self.lead
-        return (
-            np.array([Feedback.gains[0]] + [-FAR] * (corners + self.filtered)),
-            np.array([Feedback.gains[1]] + [FAR] * corners + [FARTHEST] * self.filtered),
-        )
-
-    def includes(self, other: Structure) -> bool:
-        """Not without its filter."""
-        return isinstance(other, Classical) and other.filtered == self.filtered
-
-    def start(self, rng: np.random.Generator) -> NDArray[np.float64]:
-        """A gain of order one; the integrator acts below ω₀, the others above."""
-        above = rng.uniform(0, 3, 2 * self.lead + self.filtered)
-        return np.concatenate([[np.log(rng.uniform(0.1, 3.0))], rng.uniform(-3, 0, self.integral * 1), above])
-
-    def polynomials(self, x: Any, exp: Any = np.exp) -> tuple[Coefficients, Coefficients]:
-        """See `Structure`."""
-        corners = [exp(x[i]) for i in range(1, self.bounds[0].size)]
-        num: Coefficients = [exp(x[0])]
-        den: Coefficients = [1.0]
-        if self.integral:
-            num, den = convolve(num, [1.0, corners.pop(0)]), [1.0, 0.0]
-        if self.lead:
-            zero, pole = corners.pop(0), corners.pop(0)
-            num, den = convolve(num, [pole / zero, pole]), convolve(den, [1.0, pole])
-        if self.filtered:
-            num, den = convolve(num, [corners[0]]), convolve(den, [1.0, corners[0]])
-        return num, den
-
-
 def contained(structure: Structure) -> list[Structure]:
     """All simpler families and theirs, each after those it contains, and the structure itself as the last."""
     found: list[Structure] = []
     for simpler in structure.simpler:
         found += [s for s in contained(simpler) if s not in found]
     return [*found, structure]
-
-
-FORMS: dict[str, Structure] = {"eq23": QFilter(2)}
-"""What `controller.form` may ask for."""
-FORMS |= {
-    name + ending: Classical("pi" in name, "lead" in name, bool(ending))
-    for name in ("p", "pi", "lead-lag", "pi-lead")
-    for ending in ("", "-filtered")
-}
 
 
 def convolve(p: Coefficients, q: Coefficients) -> Coefficients:

@@ -13,13 +13,14 @@ from good_joint import setting
 from robimp.synthesis import design
 from robimp.synthesis.certificate.claims import Counterexample, counterexamples
 from robimp.synthesis.problem.setting import Setting
+from robimp.synthesis.solve.classical import FORMS, Classical
 from robimp.synthesis.solve.corner import Corner
 from robimp.synthesis.solve.filtered import Filtered, structure_of
 from robimp.synthesis.solve.nlp import Candidate, Program
 from robimp.synthesis.solve.places import Grids
 from robimp.synthesis.solve.reduction import Response, reduced
 from robimp.synthesis.solve.search import Found, Search
-from robimp.synthesis.solve.structure import FAR, FORMS, Classical, Feedback, QFilter, Structure
+from robimp.synthesis.solve.structure import FAR, Feedback, QFilter, Structure
 from robimp.synthesis.spec.model import Polynomials
 
 OMEGA_0, CORNER = 40.0, Fraction(70)
@@ -63,11 +64,18 @@ def test_a_family_behind_a_filter_has_one_parameter_more(family: Structure) -> N
 
 def test_a_simpler_family_behind_a_filter_is_extended_with_its_corner() -> None:
     behind, rng = Filtered(QFilter(4)), np.random.default_rng(1)
-    assert behind.simpler == Filtered(QFilter(2)) and Filtered(QFilter(2)).simpler is None
-    assert Filtered(Classical(True, True)).simpler == Filtered(Classical(True))
+    assert behind.simpler == (Filtered(QFilter(2)), QFilter(4)) and Filtered(QFilter(2)).simpler == (QFilter(2),)
+    assert Filtered(Classical(True, True)).simpler == (Filtered(Classical(True)), Classical(True, True))
     x = Filtered(QFilter(2)).start(rng)
-    longer = behind.extended(x, rng)
+    longer = behind.extended(x, rng, Filtered(QFilter(2)))
     assert longer[0] == x[0] and longer.size == behind.bounds[0].size
+
+
+def test_without_a_filter_is_with_one_of_the_highest_corner_but_not_of_the_family() -> None:
+    behind, rng = Filtered(QFilter(4)), np.random.default_rng(1)
+    x = QFilter(4).start(rng)
+    assert np.array_equal(behind.extended(x, rng, QFilter(4)), [behind.bounds[1][0], *x])
+    assert behind.includes(Filtered(QFilter(2))) and not behind.includes(QFilter(4)) and not behind.includes(QFilter(2))
 
 
 def test_a_corner_has_six_digits_and_says_where_the_search_ended() -> None:

@@ -243,7 +243,7 @@ def test_the_slack_is_what_the_constraints_say(controller: str) -> None:
     evaluator, compared = Evaluator(setting, omega), 0
     for x in (structure.start(rng) for _ in range(5)):
         X = setting.variables(setting.compensator(structure.rounded(x, omega_0)))
-        values = np.array(program.slack(np.append(x, np.log(8.0 / omega_0)), program._placed(FEW)[0])).ravel()
+        values = np.array(program.slack(np.append(x, np.log(8.0 / omega_0)), program.placed(FEW)[0])).ravel()
         for rows, (c, q) in zip(program.rows, asked, strict=True):
             if c.on_band:
                 continue

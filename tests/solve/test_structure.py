@@ -8,7 +8,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from robimp.synthesis.solve.structure import DIGITS, FORMS, Classical, Feedback, QFilter, Structure, contained, convolve
+from robimp.synthesis.solve.classical import FORMS, Classical
+from robimp.synthesis.solve.structure import DIGITS, Feedback, QFilter, Structure, contained, convolve
 from robimp.synthesis.spec.model import FORMS as SPEC_FORMS
 
 FAMILIES: list[Structure] = [*map(QFilter, range(2, 9)), *map(Feedback, range(5)), *FORMS.values()]
