@@ -101,7 +101,7 @@ def slack(joint: Setting, x: np.ndarray) -> np.ndarray:
     """Of every row, constraints and Routh's columns, on one grid."""
     grids = Grids(np.geomspace(1, 1000, 24), np.linspace(0.05, 1, 8))
     program = Program(joint, structure_of(joint.spec), grids, OMEGA_0)
-    p, _ = program._placed(grids)
+    p, _ = program.placed(grids)
     return np.array(program.slack(np.append(x, np.log(0.3)), p)).ravel()
 
 
