@@ -1,3 +1,4 @@
+# ruff: noqa: E501  (tables of edits, one a line)
 """The polynomials of a joint are those of its loop: compared with the transfer functions, in fractions, at real s."""
 
 from __future__ import annotations
@@ -336,12 +337,7 @@ CONTROLLERS: dict[str, tuple[Json, Json, int, str]] = {  # the one of the certif
     "Q as fast as its denominator": (observer((["1", "0"], ["2", "1"]), (["1", "0"], ["1", "1"])), None, 0, ""),
     "Q = 0": (observer((["0"], ["1", "5"]), (["0"], ["1", "5"])), None, 0, ""),
     "Q = 2": (observer((["2"], ["1"]), (["2"], ["-1"])), None, 0, ""),
-    "Q that is not proper": (
-        observer((["1", "0", "0"], ["1", "5"]), (["1"], ["1"])),
-        None,
-        2,
-        "controller.Q: must be proper and not 1",
-    ),
+    "Q that is not proper": (observer((["1", "0", "0"], ["1", "5"]), (["1"], ["1"])), None, 2, "controller.Q: must be proper and not 1"),
     "Q = 1": (observer((["1", "5"], ["1", "5"]), (["1"], ["1"])), None, 2, "controller.Q: must be proper and not 1"),
     "C with another numerator": (observer(LAG, (["5"], ["1", "1"])), None, 6, NOT_C),
     "C with another denominator": (observer(LAG, (["4"], ["1", "2"])), None, 6, NOT_C),
@@ -349,45 +345,20 @@ CONTROLLERS: dict[str, tuple[Json, Json, int, str]] = {  # the one of the certif
     "C with a zero below": (observer(LAG, (["4"], ["0", "1", "1"])), None, 6, NOT_C),
     "C with a factor cancelled": (observer((["4", "8"], ["1", "7", "10"]), (["4"], ["1", "1"])), None, 6, NOT_C),
     "C with a factor": (observer((["4", "8"], ["1", "7", "10"]), (["4", "8"], ["1", "3", "2"])), None, 0, ""),
-    "another type": (
-        feedback(["4"], ["1", "1"]),
-        {"type": "dob"},
-        6,
-        "controller.type: is not the specification's",
-    ),
+    "another type": (feedback(["4"], ["1", "1"]), {"type": "dob"}, 6, "controller.type: is not the specification's"),
     "the one given": (feedback(["2"], ["1", "3"]), GIVEN, 0, ""),
     "the one given, times a factor": (feedback(["-4/3"], ["-2/3", "-2"]), GIVEN, 0, ""),
     "the one given, half of both": (feedback(["1"], ["1/2", "3/2"]), GIVEN, 0, ""),
-    "an integrator given": (
-        feedback(["2", "2"], ["2", "0"]),
-        {"coefficients": {"numerator": ["1", "1"], "denominator": ["1", "0"]}},
-        0,
-        "",
-    ),
+    "an integrator given": (feedback(["2", "2"], ["2", "0"]), {"coefficients": {"numerator": ["1", "1"], "denominator": ["1", "0"]}}, 0, ""),
     "not the one given": (feedback(["2"], ["1", "4"]), GIVEN, 6, NOT_GIVEN),
     "not the gain given": (feedback(["3"], ["1", "3"]), GIVEN, 6, NOT_GIVEN),
     "not the one given but equal to it": (feedback(["2", "2"], ["1", "4", "3"]), GIVEN, 6, NOT_GIVEN),
     "of the order asked": (feedback(["2"], ["1", "3"]), {"order": 1}, 0, ""),
     "below the order asked": (feedback(["2"], ["1"]), {"order": 1}, 0, ""),
-    "above the order asked": (
-        feedback(["2"], ["1", "3"]),
-        {"order": 0},
-        6,
-        "controller.C: is above the specification's order",
-    ),
-    "zeros above the order asked": (
-        feedback(["1", "1", "2"], ["1", "3"]),
-        {"order": 1},
-        6,
-        "controller.C: is above the specification's order",
-    ),
-    "Q above the order asked": (
-        observer(LAG, (["4"], ["1", "1"])),
-        {"order": 0},
-        6,
-        "controller.Q: is above the specification's order",
-    ),
-}
+    "above the order asked": (feedback(["2"], ["1", "3"]), {"order": 0}, 6, "controller.C: is above the specification's order"),
+    "zeros above the order asked": (feedback(["1", "1", "2"], ["1", "3"]), {"order": 1}, 6, "controller.C: is above the specification's order"),
+    "Q above the order asked": (observer(LAG, (["4"], ["1", "1"])), {"order": 0}, 6, "controller.Q: is above the specification's order"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)

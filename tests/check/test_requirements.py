@@ -1,3 +1,4 @@
+# ruff: noqa: E501  (tables of edits, one a line)
 """What a specification asks for, and whether the fields of claims and witnesses fit it; nothing is proven here."""
 
 from __future__ import annotations
@@ -176,9 +177,8 @@ def test_a_margin_short_of_the_level_is_6_and_a_better_one_is_not(kind: tuple[st
     step = Fraction(-1 if kind[0] in ("peak", "noise", "rendering") else 1, 10**9)
     level = Fraction(LEVELS[kind][1])
     assert fits(edited(*kind, margin=str(level + step)))
-    code, said = complaint(edited(*kind, margin=str(level - step)))
-    negative = level == 0
-    assert (code, said.split(": ")[1][:5]) == ((4, "a neg") if negative else (6, "its m")), said
+    short = (6, "its margin is short of what the specification asks for") if level else (4, "a negative margin")
+    assert complaint(edited(*kind, margin=str(level - step))) == (short[0], f"{' '.join(kind)}: {short[1]}")
 
 
 CLAIMS: dict[str, tuple[Json, int, str]] = {
@@ -186,16 +186,8 @@ CLAIMS: dict[str, tuple[Json, int, str]] = {
     "proven without margin": (edited("eq9", margin=None), 2, "margin does not fit the status proven"),
     "undecided with margin": (edited("eq9", status="undecided"), 2, "margin does not fit the status undecided"),
     "undecided": (edited("eq9", status="undecided", margin=None), 0, ""),
-    "refuted without witness": (
-        edited("eq9", status="refuted", margin=None),
-        2,
-        "refuted_at does not fit the status refuted",
-    ),
-    "undecided with witness": (
-        edited("eq9", status="undecided", margin=None, refuted_at={"value": "2", "omega": "1", "load": None}),
-        2,
-        "refuted_at does not fit the status undecided",
-    ),
+    "refuted without witness": (edited("eq9", status="refuted", margin=None), 2, "refuted_at does not fit the status refuted"),
+    "undecided with witness": (edited("eq9", status="undecided", margin=None, refuted_at={"value": "2", "omega": "1", "load": None}), 2, "refuted_at does not fit the status undecided"),
     "not required": (edited("eq9", required=False), 6, "`required` disagrees with the specification"),
     "another interval": (edited("peak", interval=["0", "9"]), 6, "its interval is not the specification's"),
     "another band": (edited("noise", interval=["100", "inf"]), 6, "its interval is not the specification's"),
@@ -207,7 +199,7 @@ CLAIMS: dict[str, tuple[Json, int, str]] = {
     "bandwidth above": (edited("bandwidth", margin="1"), 6, "its margin is not bandwidth.proven"),
     "bandwidth below": (edited("bandwidth", margin="1/4"), 6, "its margin is not bandwidth.proven"),
     "a negative peak": (edited("peak", margin="-1"), 4, "a negative margin"),
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", CLAIMS)
@@ -257,11 +249,15 @@ NOMINAL: Json = {"inertia": "2", "damping": "4", "stiffness": "6"}
 IMPEDANCE: Json = {"inertia": "1", "damping": "2", "stiffness": "1"}
 MOTOR: Json = {"motor_inertia": "1/100", "motor_damping": "1/20", "spring_stiffness": "24/5"}
 SHIPPED: Json = {"numerator": ["4"], "denominator": ["1", "5"]}
-ABOUT: Json = {"claim": ["eq9", "printed"], "controller": SHIPPED}
 
 
-def witnessed(kind: str, form: str | None, value: str, omega: str | None, load: Json = None, **more: Any) -> Json:
-    return edited(kind, form, refuted_at={"value": value, "omega": omega, "load": load, **more})
+def witnessed(kind: str, value: str, omega: str | None, load: Json = None, /, **more: Any) -> Json:
+    return edited(*kind.split(), refuted_at={"value": value, "omega": omega, "load": load, **more})
+
+
+def about(kind: str) -> Json:
+    """What a witness of a tolerance says besides: the claim that fails, and of which controller."""
+    return {"controller": SHIPPED, "claim": kind.split()}
 
 
 def refuted(kind: str, value: str, **changes: Any) -> Json:
@@ -273,159 +269,65 @@ def load(**changes: str) -> Json:
     return {**NOMINAL, **changes}
 
 
-WITNESSES: dict[str, tuple[Json, int, str]] = {
-    "any value": (witnessed("eq9", None, "7", "1"), 0, ""),
-    "nought": (witnessed("eq9", None, "0", "1"), 0, ""),
-    "a negative value": (witnessed("eq9", None, "-1/2", "1"), 4, "refuted_at.value: negative"),
-    "a negative value of passivity": (witnessed("eq12", None, "-1/2", "1"), 0, ""),
-    "refuted at the level": (refuted("eq9", "1"), 0, ""),
-    "refuted above the level": (refuted("eq9", "2"), 4, "refuted_at.value: is not the required one"),
-    "refuted below the level": (refuted("eq9", "1/2"), 4, "refuted_at.value: is not the required one"),
-    "at no frequency": (witnessed("eq9", None, "2", None), 4, "refuted_at.omega: does not fit"),
-    "at zero": (witnessed("eq9", None, "2", "0"), 0, ""),
-    "at infinity": (witnessed("eq9", None, "2", "inf"), 0, ""),
-    "where the band begins": (witnessed("noise", None, "2", "200"), 0, ""),
-    "before the band": (witnessed("noise", None, "2", "1999/10"), 4, "refuted_at.omega: is outside the interval"),
-    "where the band ends": (witnessed("rendering", None, "2", "1/2"), 0, ""),
-    "beyond the band": (witnessed("rendering", None, "2", "3/5"), 4, "refuted_at.omega: is outside the interval"),
-    "roots at a frequency": (witnessed("stability-free", "hurwitz", "2", "1"), 4, "refuted_at.omega: does not fit"),
-    "roots": (witnessed("stability-free", "hurwitz", "2", None), 0, ""),
-    "roots for a load": (
-        witnessed("stability-free", "hurwitz", "2", None, NOMINAL),
-        4,
-        "refuted_at.load: this claim is nominal",
-    ),
-    "roots for an impedance": (
-        witnessed("stability-free", "hurwitz", "2", None, impedance=IMPEDANCE),
-        4,
-        "refuted_at.impedance: this claim is nominal",
-    ),
-    "a root of a box at a frequency": (witnessed("stability-free", "box", "2", "1", NOMINAL), 0, ""),
-    "a root of a box": (witnessed("stability-free", "box", "2", None, NOMINAL), 0, ""),
-    "a load at the lower corner": (
-        witnessed("eq9", None, "2", "1", load(inertia="1", damping="3", stiffness="5")),
-        0,
-        "",
-    ),
-    "a load at the upper corner": (
-        witnessed("eq9", None, "2", "1", load(inertia="3", damping="6", stiffness="7")),
-        0,
-        "",
-    ),
-    "too light": (witnessed("eq9", None, "2", "1", load(inertia="99/100")), 4, "refuted_at.load: is not in the box"),
-    "too heavy": (witnessed("eq9", None, "2", "1", load(inertia="301/100")), 4, "refuted_at.load: is not in the box"),
-    "too stiff": (witnessed("eq9", None, "2", "1", load(stiffness="8")), 4, "refuted_at.load: is not in the box"),
-    "a box grows about the nominal": (
-        witnessed("stability-free", "box", "3/2", None, load(inertia="1/2", damping="7", stiffness="15/2")),
-        0,
-        "",
-    ),
-    "a box grows so far below": (
-        witnessed("stability-free", "box", "3/2", None, load(damping="249/100")),
-        4,
-        "refuted_at.load: is not in the box",
-    ),
-    "a box grows so far above": (
-        witnessed("stability-free", "box", "3/2", None, load(damping="701/100")),
-        4,
-        "refuted_at.load: is not in the box",
-    ),
-    "an impedance in its range": (
-        witnessed("eq9", None, "2", "1", impedance={**IMPEDANCE, "damping": "3"}),
-        0,
-        "",
-    ),
-    "an impedance out of its range": (
-        witnessed("eq9", None, "2", "1", impedance={**IMPEDANCE, "damping": "4"}),
-        4,
-        "refuted_at.impedance: is not in the box",
-    ),
-    "an impedance without range": (
-        witnessed("eq9", None, "2", "1", impedance={**IMPEDANCE, "inertia": "2"}),
-        4,
-        "refuted_at.impedance: is not in the box",
-    ),
-    "a motor in its range": (witnessed("eq9", None, "2", "1", actuator={**MOTOR, "motor_inertia": "3/200"}), 0, ""),
-    "a motor out of its range": (
-        witnessed("eq9", None, "2", "1", actuator={**MOTOR, "motor_inertia": "1/50"}),
-        4,
-        "refuted_at.actuator: is not in the box",
-    ),
-    "a controller of another claim": (
-        witnessed("eq9", None, "2", "1", controller=SHIPPED),
-        4,
-        "refuted_at: fields",
-    ),
-    "a claim of another claim": (witnessed("eq9", None, "2", "1", claim=["peak", "sensitivity"]), 4, "fields"),
-    "both of another claim": (witnessed("eq9", None, "2", "1", **ABOUT), 4, "refuted_at: fields"),
-    "tolerance": (witnessed("tolerance", None, "1", "1", **ABOUT), 0, ""),
-    "tolerance without both": (witnessed("tolerance", None, "1", "1"), 4, "refuted_at: fields"),
-    "tolerance without controller": (
-        witnessed("tolerance", None, "1", "1", claim=["eq9", "printed"]),
-        4,
-        "refuted_at: fields",
-    ),
-    "tolerance without claim": (witnessed("tolerance", None, "1", "1", controller=SHIPPED), 4, "refuted_at: fields"),
-    "tolerance of a claim that is not required": (
-        witnessed("tolerance", None, "1", "1", controller=SHIPPED, claim=["eq12", "paper"]),
-        4,
-        "refuted_at.claim: is not a required one",
-    ),
-    "tolerance of a claim that there is not": (
-        witnessed("tolerance", None, "1", "1", controller=SHIPPED, claim=["eq12"]),
-        4,
-        "refuted_at.claim: is not a required one",
-    ),
-    "tolerance of itself": (
-        witnessed("tolerance", None, "1", "1", controller=SHIPPED, claim=["tolerance", "coefficients"]),
-        4,
-        "refuted_at.claim: is not a required one",
-    ),
-    "tolerance in the band of its claim": (
-        witnessed("tolerance", None, "1", "1/2", controller=SHIPPED, claim=["bandwidth", "attenuation"]),
-        0,
-        "",
-    ),
-    "tolerance out of the band of its claim": (
-        witnessed("tolerance", None, "1", "1", controller=SHIPPED, claim=["bandwidth", "attenuation"]),
-        4,
-        "refuted_at.omega: is outside the interval",
-    ),
-    "tolerance and roots": (
-        witnessed("tolerance", None, "1", None, controller=SHIPPED, claim=["stability-free", "hurwitz"]),
-        0,
-        "",
-    ),
-    "tolerance and roots for a load": (
-        witnessed("tolerance", None, "1", None, NOMINAL, controller=SHIPPED, claim=["stability-free", "hurwitz"]),
-        4,
-        "refuted_at.load: this claim is nominal",
-    ),
-    "tolerance and the box": (
-        witnessed("tolerance", None, "2", None, NOMINAL, controller=SHIPPED, claim=["stability-free", "box"]),
-        0,
-        "",
-    ),
-    "tolerance and a corner of the box": (
-        witnessed("tolerance", None, "2", None, load(inertia="1"), controller=SHIPPED, claim=["stability-free", "box"]),
-        0,
-        "",
-    ),
-    "tolerance does not make the box grow": (
-        witnessed(
-            "tolerance", None, "2", None, load(inertia="1/2"), controller=SHIPPED, claim=["stability-free", "box"]
-        ),
-        4,
-        "refuted_at.load: is not in the box",
-    ),
-}
+WITNESSES: dict[str, tuple[Json, str]] = {
+    "any value": (witnessed("eq9", "7", "1"), ""),
+    "nought": (witnessed("eq9", "0", "1"), ""),
+    "a negative value": (witnessed("eq9", "-1/2", "1"), "refuted_at.value: negative"),
+    "a negative value of passivity": (witnessed("eq12", "-1/2", "1"), ""),
+    "refuted at the level": (refuted("eq9", "1"), ""),
+    "refuted above the level": (refuted("eq9", "2"), "refuted_at.value: is not the required one"),
+    "refuted below the level": (refuted("eq9", "1/2"), "refuted_at.value: is not the required one"),
+    "at no frequency": (witnessed("eq9", "2", None), "refuted_at.omega: does not fit"),
+    "at zero": (witnessed("eq9", "2", "0"), ""),
+    "at infinity": (witnessed("eq9", "2", "inf"), ""),
+    "where the band begins": (witnessed("noise", "2", "200"), ""),
+    "before the band": (witnessed("noise", "2", "1999/10"), "refuted_at.omega: is outside the interval"),
+    "where the band ends": (witnessed("rendering", "2", "1/2"), ""),
+    "beyond the band": (witnessed("rendering", "2", "3/5"), "refuted_at.omega: is outside the interval"),
+    "roots at a frequency": (witnessed("stability-free hurwitz", "2", "1"), "refuted_at.omega: does not fit"),
+    "roots": (witnessed("stability-free hurwitz", "2", None), ""),
+    "roots for a load": (witnessed("stability-free hurwitz", "2", None, NOMINAL), "refuted_at.load: this claim is nominal"),
+    "roots for an impedance": (witnessed("stability-free hurwitz", "2", None, impedance=IMPEDANCE), "refuted_at.impedance: this claim is nominal"),
+    "a root of a box at a frequency": (witnessed("stability-free box", "2", "1", NOMINAL), ""),
+    "a root of a box": (witnessed("stability-free box", "2", None, NOMINAL), ""),
+    "a load at the lower corner": (witnessed("eq9", "2", "1", load(inertia="1", damping="3", stiffness="5")), ""),
+    "a load at the upper corner": (witnessed("eq9", "2", "1", load(inertia="3", damping="6", stiffness="7")), ""),
+    "too light": (witnessed("eq9", "2", "1", load(inertia="99/100")), "refuted_at.load: is not in the box"),
+    "too heavy": (witnessed("eq9", "2", "1", load(inertia="301/100")), "refuted_at.load: is not in the box"),
+    "too stiff": (witnessed("eq9", "2", "1", load(stiffness="8")), "refuted_at.load: is not in the box"),
+    "a box grows about the nominal": (witnessed("stability-free box", "3/2", None, load(inertia="1/2", damping="7", stiffness="15/2")), ""),
+    "a box grows so far below": (witnessed("stability-free box", "3/2", None, load(damping="249/100")), "refuted_at.load: is not in the box"),
+    "a box grows so far above": (witnessed("stability-free box", "3/2", None, load(damping="701/100")), "refuted_at.load: is not in the box"),
+    "an impedance in its range": (witnessed("eq9", "2", "1", impedance={**IMPEDANCE, "damping": "3"}), ""),
+    "an impedance out of its range": (witnessed("eq9", "2", "1", impedance={**IMPEDANCE, "damping": "4"}), "refuted_at.impedance: is not in the box"),
+    "an impedance without range": (witnessed("eq9", "2", "1", impedance={**IMPEDANCE, "inertia": "2"}), "refuted_at.impedance: is not in the box"),
+    "a motor in its range": (witnessed("eq9", "2", "1", actuator={**MOTOR, "motor_inertia": "3/200"}), ""),
+    "a motor out of its range": (witnessed("eq9", "2", "1", actuator={**MOTOR, "motor_inertia": "1/50"}), "refuted_at.actuator: is not in the box"),
+    "a controller of another claim": (witnessed("eq9", "2", "1", controller=SHIPPED), "refuted_at: fields"),
+    "a claim of another claim": (witnessed("eq9", "2", "1", claim=["peak", "sensitivity"]), "fields"),
+    "both of another claim": (witnessed("eq9", "2", "1", **about("eq9 printed")), "refuted_at: fields"),
+    "tolerance": (witnessed("tolerance", "1", "1", **about("eq9 printed")), ""),
+    "tolerance without both": (witnessed("tolerance", "1", "1"), "refuted_at: fields"),
+    "tolerance without controller": (witnessed("tolerance", "1", "1", claim=["eq9", "printed"]), "refuted_at: fields"),
+    "tolerance without claim": (witnessed("tolerance", "1", "1", controller=SHIPPED), "refuted_at: fields"),
+    "tolerance of a claim that is not required": (witnessed("tolerance", "1", "1", **about("eq12 paper")), "refuted_at.claim: is not a required one"),
+    "tolerance of a claim that there is not": (witnessed("tolerance", "1", "1", **about("eq12")), "refuted_at.claim: is not a required one"),
+    "tolerance of itself": (witnessed("tolerance", "1", "1", **about("tolerance coefficients")), "refuted_at.claim: is not a required one"),
+    "tolerance in the band of its claim": (witnessed("tolerance", "1", "1/2", **about("bandwidth attenuation")), ""),
+    "tolerance out of the band of its claim": (witnessed("tolerance", "1", "1", **about("bandwidth attenuation")), "refuted_at.omega: is outside the interval"),
+    "tolerance and roots": (witnessed("tolerance", "1", None, **about("stability-free hurwitz")), ""),
+    "tolerance and roots for a load": (witnessed("tolerance", "1", None, NOMINAL, **about("stability-free hurwitz")), "refuted_at.load: this claim is nominal"),
+    "tolerance and the box": (witnessed("tolerance", "2", None, NOMINAL, **about("stability-free box")), ""),
+    "tolerance and a corner of the box": (witnessed("tolerance", "2", None, load(inertia="1"), **about("stability-free box")), ""),
+    "tolerance does not make the box grow": (witnessed("tolerance", "2", None, load(inertia="1/2"), **about("stability-free box")), "refuted_at.load: is not in the box"),
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", WITNESSES)
 def test_the_fields_of_a_witness_fit(name: str) -> None:
-    cert, code, text = WITNESSES[name]
-    found, said = complaint(cert)
-    assert found == code and text in said
+    cert, text = WITNESSES[name]
+    code, said = complaint(cert)
+    assert code == (4 if text else 0) and text in said
 
 
 @pytest.mark.parametrize(
@@ -435,8 +337,8 @@ def test_the_fields_of_a_witness_fit(name: str) -> None:
         (["3"], ["3/4", "15/4"], True),
         (["501/100"], ["1", "5"], False),
         (["299/100"], ["1", "5"], False),
-        (["4"], ["1", "626/100"], False),
-        (["4"], ["126/100", "5"], False),
+        (["4"], ["1", "313/50"], False),
+        (["4"], ["63/50", "5"], False),
         (["0", "4"], ["1", "5"], False),
         (["4"], ["0", "1", "5"], False),
     ],
@@ -445,18 +347,16 @@ def test_the_fields_of_a_witness_fit(name: str) -> None:
 def test_each_coefficient_of_a_tolerance_witness_is_within_it(
     type: str, numerator: list[str], denominator: list[str], near: bool
 ) -> None:
-    coefficients = [str(Fraction(c)) for c in denominator]
-    controller = {"numerator": [str(Fraction(c)) for c in numerator], "denominator": coefficients}
-    cert = witnessed("tolerance", None, "1/4", "1", claim=["eq9", "printed"], controller=controller)
+    controller = {"numerator": numerator, "denominator": denominator}
+    cert = witnessed("tolerance", "1/4", "1", claim=["eq9", "printed"], controller=controller)
     if type != "dob":
         cert["controller"] = {"type": type, "C": SHIPPED}
-    assert complaint(cert)[1] == (
-        "" if near else "tolerance coefficients: refuted_at.controller: is not within the tolerance"
-    )
+    beyond = (4, "tolerance coefficients: refuted_at.controller: is not within the tolerance")
+    assert complaint(cert) == ((0, "") if near else beyond)
 
 
 def test_an_ideal_actuator_has_no_motor() -> None:
-    cert = witnessed("eq9", None, "2", "1", actuator=MOTOR)
+    cert = witnessed("eq9", "2", "1", actuator=MOTOR)
     cert["spec"]["actuator"], cert["spec"]["uncertainty"]["actuator"] = {"type": "ideal"}, None
     cert["claims"].remove(find(cert, "stability-locked", "box"))
     assert complaint(cert) == (4, "eq9 printed: refuted_at.actuator: there is no motor_inertia")

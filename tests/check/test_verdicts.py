@@ -329,7 +329,7 @@ def test_a_time_limit_is_obeyed(files: dict[str, str], capsys: pytest.CaptureFix
 
 
 def text_stream(file: io.IOBase) -> Any:
-    return io.TextIOWrapper(file, encoding="ascii")  # type: ignore[arg-type]
+    return io.TextIOWrapper(file, encoding="ascii")
 
 
 def test_a_stream_that_knows_ascii_only_is_written_too(files: dict[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
