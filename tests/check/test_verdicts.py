@@ -322,8 +322,11 @@ def test_a_time_limit_is_a_positive_number(limit: str, capsys: pytest.CaptureFix
 
 
 def test_a_time_limit_is_obeyed(files: dict[str, str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert run("--time-limit=0.9", files["good"], capsys=capsys)[0] == 0
     assert run("--time-limit=1e-9", files["good"], capsys=capsys)[0] == 5
+    for limit in ("0.5", "1", "2"):
+        assert run(f"--time-limit={limit}", "none", capsys=capsys)[2] == (
+            "none: file: cannot be read: No such file or directory\n"
+        )
     with pytest.raises(SystemExit):
         main([])
 
