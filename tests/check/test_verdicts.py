@@ -7,6 +7,8 @@ import json
 import math
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -167,6 +169,12 @@ def test_only_on_the_whole_axis_the_port_has_to_be_passive_at_its_ends(interval:
     found = judged(cert)
     assert found.claims[3][:3] == ("eq12", "structured", status), found
     assert status == "proven" or found.claims[3][3].endswith("Z at infinity is not finite and >= 0")
+
+
+def test_what_does_not_fit_the_specification_is_not_even_tried() -> None:
+    cert = small()
+    cert["spec"]["controller"]["order"] = 0
+    assert judged(cert) == Verdict(6, "controller.Q: is above the specification's order")
 
 
 def on_cells(margin: str) -> Json:
@@ -331,41 +339,42 @@ def test_a_time_limit_is_obeyed(files: dict[str, str], capsys: pytest.CaptureFix
         main([])
 
 
-def text_stream(file: io.IOBase) -> Any:
-    return io.TextIOWrapper(file, encoding="ascii")
+@contextmanager
+def printing_to(out: Any, err: Any) -> Iterator[None]:
+    """Other streams for a while; None is a closed one."""
+    before = sys.stdout, sys.stderr
+    sys.stdout, sys.stderr = out, err
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
 
 
-def test_a_stream_that_knows_ascii_only_is_written_too(files: dict[str, str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_stream_that_knows_ascii_only_is_written_too(files: dict[str, str]) -> None:
     out, err = io.BytesIO(), io.BytesIO()
-    monkeypatch.setattr(sys, "stdout", text_stream(out))
-    monkeypatch.setattr(sys, "stderr", text_stream(err))
-    assert main([files["good"], files["false"]]) == 4
-    assert rb"\u03c9_B \u2265 1.09739" in out.getvalue() and rb"at \u03c9 = " in err.getvalue()
+    with printing_to(*(io.TextIOWrapper(file, encoding="ascii") for file in (out, err))):
+        assert main([files["good"], files["false"]]) == 4
+        assert rb"\u03c9_B \u2265 1.09739" in out.getvalue() and rb"at \u03c9 = " in err.getvalue()
 
 
 @pytest.mark.parametrize("arguments", [[], ["--json"]])
-def test_a_proof_that_is_not_said_is_not_0(
-    arguments: list[str],
-    files: dict[str, str],
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_proof_that_is_not_said_is_not_0(arguments: list[str], files: dict[str, str]) -> None:
     unsaid = f"{files['good']}: standard output cannot be written\n"
     with Path("/dev/full").open("w") as full:  # what it still holds when it is closed goes nowhere
-        monkeypatch.setattr(sys, "stdout", full)
+        with printing_to(full, said := io.StringIO()):
+            assert main([*arguments, files["good"]]) == 2
+        assert said.getvalue() == unsaid
+    with printing_to(None, said := io.StringIO()):
         assert main([*arguments, files["good"]]) == 2
-        assert capsys.readouterr().err == unsaid
-        assert main([*arguments, files["good"], files["good"]]) == 0  # by now what is written goes nowhere
-    monkeypatch.setattr(sys, "stdout", None)
-    assert main([*arguments, files["good"]]) == 2
-    assert capsys.readouterr().err == unsaid
+    assert said.getvalue() == unsaid
 
 
-def test_a_fault_that_is_not_said_keeps_its_code(
-    files: dict[str, str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(sys, "stdout", None)
-    assert main(["--json", files["false"]]) == 4 and capsys.readouterr().err == ""
-    monkeypatch.setattr(sys, "stderr", None)
-    assert main([files["false"]]) == 4 and main([files["good"]]) == 2
-    assert capsys.readouterr().out == ""
+def test_a_fault_that_is_not_said_keeps_its_code(files: dict[str, str]) -> None:
+    with printing_to(None, said := io.StringIO()):
+        assert main(["--json", files["false"]]) == 4
+    assert said.getvalue() == ""
+    with printing_to(None, None):
+        assert main([files["false"]]) == 4 and main([files["good"]]) == 2
+    with printing_to(said := io.StringIO(), None):
+        assert main([files["false"]]) == 4
+    assert said.getvalue() == ""
