@@ -6,11 +6,12 @@ import ast
 import copy
 import importlib
 import sys
+from collections import Counter
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import EnumMeta
 from pathlib import Path
-from types import FunctionType
+from types import FunctionType, ModuleType
 
 PACKAGE = "robimp.synthesis.check"
 SWAPS: dict[type[ast.AST], tuple[type[ast.AST], ...]] = {
@@ -95,7 +96,15 @@ def _edits(node: ast.AST) -> Iterator[tuple[str, ast.AST | None]]:
 
 
 def mutants(file: Path, folder: Path | None = None) -> Iterator[Mutant]:
-    """Every mutant of a source file, named by its place in the folder."""
+    """Every mutant of a source file, named by its place in the folder; equal changes of one line are numbered."""
+    seen = Counter[str]()
+    for mutant in _mutants(file, folder):
+        seen[mutant.key] += 1
+        n = seen[mutant.key]
+        yield replace(mutant, change=f"{mutant.change} #{n}") if n > 1 else mutant
+
+
+def _mutants(file: Path, folder: Path | None) -> Iterator[Mutant]:
     name_of_file = file.relative_to(folder or file.parent).as_posix()
     source = file.read_text(encoding="utf-8")
     lines, tree = source.splitlines(), ast.parse(source)
@@ -133,15 +142,23 @@ def transplant(mutant: Mutant) -> None:
     parts = Path(mutant.file).with_suffix("").parts
     module = importlib.import_module(".".join([PACKAGE, *(part for part in parts if part != "__init__")]))
     new = {k: v for k, v in vars(module).items() if k.startswith("__")}
-    exec(compile(mutant.source, mutant.file, "exec"), new)
+    exec(compile(mutant.source, mutant.file, "exec", dont_inherit=True), new)
+    for name in [name for name, value in vars(module).items() if name not in new and not isinstance(value, ModuleType)]:
+        if _users(name, vars(module).pop(name)):
+            raise ImportError(name)
     for name, value in new.items():
         live = vars(module).get(name)
         if isinstance(value, type) and isinstance(live, type) and not isinstance(live, EnumMeta):
             if value is not live:
                 _exchange(vars(value), live)
         elif not (_exchanged(value, live) or name.startswith("__") or repr(value) == repr(live)):
-            for other in [m for key, m in sys.modules.items() if key.startswith(PACKAGE) and vars(m).get(name) is live]:
+            for other in _users(name, live):
                 setattr(other, name, value)
+
+
+def _users(name: str, live: object) -> list[ModuleType]:
+    """The checker's modules that have the same under a name."""
+    return [m for key, m in sys.modules.items() if key.startswith(PACKAGE) and vars(m).get(name, m) is live]
 
 
 def _exchange(new: Mapping[str, object], live: type) -> None:

@@ -18,6 +18,7 @@ import resealed
 from mutants import Mutant, mutants, transplant
 
 from robimp.synthesis.check import check_bytes
+from robimp.synthesis.check.polynomials import product
 
 
 def test_certificates_edited_and_sealed_again() -> None:
@@ -78,6 +79,38 @@ def test_a_mutant_takes_the_place_of_the_checker_in_its_own_process_only() -> No
 
     answers = [code for _, code in mutation.in_forks([wrong, None], exit_code, 1, float("inf"))]
     assert answers[0] != answers[1] == exit_code(None) == 0
+
+
+def test_every_mutant_has_a_name_of_its_own() -> None:
+    for file in mutation.CHECK.rglob("*.py"):
+        keys = [mutant.key for mutant in mutants(file, mutation.CHECK)]
+        assert len(set(keys)) == len(keys)
+    assert any("#2" in mutant.change for mutant in mutants(mutation.CHECK / "reader.py", mutation.CHECK))
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "said"),
+    [
+        ("polynomials.py", "WORK_LIMIT = ", "NameError"),
+        ("polynomials.py", "PRIME = ", "ImportError"),
+        ("outcome.py", "UNREADABLE = ", "NameError"),
+    ],
+)
+def test_an_assignment_that_is_removed_is_missed(file: str, text: str, said: str) -> None:
+    """By what uses it, in its own file when it runs, or by another file's import."""
+    gone = next(
+        m for m in mutants(mutation.CHECK / file, mutation.CHECK) if m.change == "removed" and m.text.startswith(text)
+    )
+
+    def without(mutant: Mutant) -> str:
+        try:
+            transplant(mutant)
+            product([1], [1])
+        except (NameError, ImportError) as missed:
+            return type(missed).__name__
+        return "not missed"
+
+    assert [answer for _, answer in mutation.in_forks([gone], without, 1, float("inf"))] == [said]
 
 
 def test_a_process_that_dies_is_a_mutant_noticed() -> None:
