@@ -91,6 +91,10 @@ LOADS: dict[str, tuple[Json, str | None]] = {  # N(g) = g − ĝ + 2 m for every
     "the inertia negative": ({"plant": "3 2 3", "box": "0..4 1..3 2..4"}, None),
     "nothing at one corner": ({"box": "0..3 0..3 1..4"}, None),
     "all coefficients negative": ({"gain": "-2", "box": "3/2..5/2 3/2..5/2 5/2..7/2"}, ""),  # g − ĝ − m
+    "not separated for x < 0": (
+        {"gain": "19 / 1 1 1/4", "plant": "2 4 0", "impedance": "4 6 2", "box": "2..3 4..4 0..2"},
+        "",
+    ),
     "stiffness only": ({"impedance": "0 0 1", "box": "2..2 2..2 2..4"}, ""),
     "stiffness only, negative": ({"gain": "-2", "impedance": "0 0 1", "box": "2..2 2..2 3..7/2"}, ""),
     "the nominal slow": ({"impedance": "1 1/9 1", "box": "2..2 2..2 3..4"}, ""),
