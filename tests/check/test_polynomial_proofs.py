@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 from claim_floats import Json, num
-from test_statements import FRICTION, PORT, UNCERTAIN, WHOLE, by_hand, prover, rational
+from test_statements import FRICTION, PORT, UNCERTAIN, WHOLE, by_hand, prover, rational, soon
 
+from robimp.synthesis.check.enclosure.claims import CellProver
 from robimp.synthesis.check.outcome import UNDECIDED, CheckError
 from robimp.synthesis.check.polynomials import ONE, Poly
 from robimp.synthesis.check.positivity import Inequality
@@ -211,6 +212,15 @@ def test_robustness_for_a_box_is_proven_up_to_what_its_worst_load_allows(joint: 
 
     assert said(v * 0.97) == "" and said(v * 1.001) != ""
     assert v > 0.9 * corners or said(corners * 0.95) is None, "where the corners alone hold, cells decide"
+
+
+def test_what_holds_at_the_corners_only_is_refuted_on_cells() -> None:
+    p = by_hand(**EDGES[0])
+    v, corners = largest_factor(EDGES[0], [1.0])
+    assert v < 0.95 * corners
+    for factor, holds in ((v * 0.97, True), ((v + corners) / 2, False)):
+        text = CellProver(p.certificate, soon()).fault(EQ9, Fraction(factor), (Fraction(1), Fraction(1)), False)
+        assert (text == "") is holds
 
 
 def test_on_the_edge_the_smallest_whole_numbers_are_positive_too() -> None:
