@@ -26,9 +26,6 @@ class Ring:
     def __sub__(self: Any, other: Any) -> Any:
         return self + -other
 
-    def __rsub__(self: Any, other: Any) -> Any:
-        return -self + other
-
     def __radd__(self: Any, other: Any) -> Any:
         return self + other
 

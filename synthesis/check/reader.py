@@ -144,7 +144,7 @@ def _points(value: Any, path: str) -> list[list[Fraction]]:
     return found  # type: ignore[no-any-return]
 
 
-RANGE = partial(_interval, end=NATURAL)
+RANGE, POSITIVE_RANGE = partial(_interval, end=NATURAL), partial(_interval, end=POSITIVE)
 RATIONAL = {"numerator": _coefficients, "denominator": partial(_coefficients, nonzero=True)}
 LOAD = {"inertia": NATURAL, "damping": NATURAL, "stiffness": NATURAL}
 LOOP = {"kp": NATURAL, "kd": NATURAL, "derivative_corner": POSITIVE, "feedforward": number}
@@ -157,10 +157,10 @@ SPEC = {
     "plant": {**LOAD, "inertia": POSITIVE},
     "sampling?": {"rate": POSITIVE, "delay": NATURAL},
     "uncertainty": {
-        "box?": dict.fromkeys(LOAD, RANGE),
+        "box?": dict.fromkeys(LOAD, RANGE) | {"inertia": POSITIVE_RANGE},
         "weight?": RATIONAL,
         "table?": {"points": _points, "beyond": ("hold",), "measured-": MEASURED},
-        "actuator?": {"motor_inertia-": RANGE, "motor_damping-": RANGE, "spring_stiffness-": RANGE},
+        "actuator?": {"motor_inertia-": POSITIVE_RANGE, "motor_damping-": RANGE, "spring_stiffness-": POSITIVE_RANGE},
     },
     "actuator": {
         "type": {"ideal": {}, "series-elastic": MOTOR, "two-port": {"transfer": RATIONAL, "impedance": RATIONAL}}

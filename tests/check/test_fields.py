@@ -167,6 +167,10 @@ POSITIVE |= {f"{SPEC}.objective.rendering_error", f"{SPEC}.constraints.peak", f"
 POSITIVE |= {f"{SPEC}.actuator.{key}" for key in ("motor_inertia", "spring_stiffness", "torque_loop.derivative_corner")}
 POSITIVE |= {f"{SPEC}.controller.filters.{key}" for key in ("force", "position", "derivative")}
 POSITIVE |= {f"{SPEC}.constraints.noise.gain"}
+POSITIVE |= {
+    f"{SPEC}.uncertainty.{key}[0]" for key in ("box.inertia", "actuator.motor_inertia", "actuator.spring_stiffness")
+}
+POSITIVE |= {f"{path[:-3]}[1]" for path in POSITIVE if path.endswith("[0]")}
 SIGNED = {f"{CLAIM}.margin", f"{WITNESSED}.value", f"{SPEC}.actuator.torque_loop.feedforward"}
 SIGNED |= {f"{WITNESSED}.{place}.{key}" for place in ("load", "impedance") for key in LOAD}
 SIGNED |= {f"{WITNESSED}.actuator.{key}" for key in ("motor_inertia", "motor_damping", "spring_stiffness")}
