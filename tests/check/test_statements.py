@@ -213,24 +213,6 @@ def series_elastic(motor: str, loop: str) -> Json:
     return {"type": "series-elastic", **motors, "torque_loop": loops}
 
 
-def test_a_port_that_is_not_passive_at_infinity_is_a_witness_without_motor_inertia_too() -> None:
-    """J = b = 0 is the ideal actuator, and lim Z/s² = 1 + (1/2 − 3)/2; `locked` is two degrees short."""
-    p = prover(
-        {"type": "dynamic-feedback", "C": rational("1")},
-        plant={"inertia": "3", "damping": "2", "stiffness": "0"},
-        impedance={"inertia": "1", "damping": "1", "stiffness": "1"},
-        uncertainty={
-            "box": {"inertia": ["1/2", "3"], "damping": ["2", "2"], "stiffness": ["0", "0"]},
-            "actuator": {"motor_inertia": ["0", "1/50"]},
-        },
-        actuator=series_elastic("1/100 0 1", "10 1/4 1000 1"),
-        controller={"type": "dynamic-feedback"},
-    )
-    load = {"inertia": Fraction(1, 2), "damping": Fraction(2), "stiffness": Fraction(0)}
-    witness = {"load": load, "actuator": {"motor_inertia": Fraction(0)}}
-    assert "Z at infinity" in str(p.fault(PORT, Fraction(-100), (inf, inf), True, witness))
-
-
 def test_friction_is_compared_with_the_nominal_load_even_where_that_is_negative() -> None:
     """Twice the torque fed forward: with a stiffness of 0 in place of 1 both N(0) change their sign."""
     given = prover(
