@@ -45,7 +45,7 @@ class Bound:
 
     limited: False where nothing limits ω_B as far as the joint's frequencies reach: all is feasible at omega_B still.
     terms: size of the basis; growth: what the last enlargement of the basis added, relative, None if there was none;
-    stopped: why it was not enlarged further although it grew, "" where it converged.
+    stopped: why it was not enlarged further although it may grow, "" where it converged.
     """
 
     omega_B: float
@@ -102,6 +102,8 @@ def bound(setting: Setting, terms: int | None = None, progress: Progress = lambd
         program = BandProgram(setting, resolving(setting, basis, FINER), basis, like=program)
         found = program.largest_band(around)
         if isinstance(found, Failure):
+            if before is None and terms is None:
+                before = _with_fewer(setting, size, progress)
             if before is None:
                 raise _undecided(found, size)
             return replace(before, stopped=f"{found.value} ({size} terms)")
@@ -119,6 +121,16 @@ def bound(setting: Setting, terms: int | None = None, progress: Progress = lambd
         if size * GROWTH > MOST_TERMS:
             return replace(best, stopped="the basis is as large as it may be")
         before, size, around = best, round(size * GROWTH), best.omega_B
+
+
+def _with_fewer(setting: Setting, size: int, progress: Progress) -> Bound | None:
+    """The bound of the largest basis of fewer terms that the solver is up to."""
+    while (size := round(size / GROWTH)) > MOST_TERMS / 10:
+        try:
+            return bound(setting, size, progress)
+        except UndecidedError:
+            continue
+    return None
 
 
 def wide_program(setting: Setting, terms: int, among: Container[str] | None = None, slow: float = 1.0) -> BandProgram:

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from ..spec.model import FREE, Spec
-from .classical import FORMS
+from .classical import FARTHEST_CORNER, FORMS
 from .corner import Corner
 from .structure import FAR, Coefficients, Feedback, Filter, QFilter, Structure, few_digits
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-AT_END = 0.999  # part of FAR, on the logarithmic scale, beyond which a corner is at the end of those searched
+AT_END = 0.1  # of a corner to the end of those searched, on the logarithmic scale: it is at that end
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Filtered(Structure):
         """With the same corner, or with one as far out as it may be."""
         if isinstance(of, Filtered):
             return np.array([x[0], *self.family.extended(x[1:], rng, of.family)])
-        return np.array([FAR, *x])
+        return np.array([FARTHEST_CORNER, *x])
 
     def includes(self, other: Structure) -> bool:
         """Not without a filter: there has to be a corner."""
@@ -46,7 +46,7 @@ class Filtered(Structure):
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """See `Structure`."""
         low, high = self.family.bounds
-        return np.array([-FAR, *low]), np.array([FAR, *high])
+        return np.array([-FAR, *low]), np.array([FARTHEST_CORNER, *high])
 
     def start(self, rng: np.random.Generator) -> NDArray[np.float64]:
         """A corner around and above ω₀: the best may lie below, and most starts far above end at the highest."""
@@ -63,8 +63,8 @@ class Filtered(Structure):
 
     def corner(self, x: NDArray[np.float64], omega_0: float) -> Corner:
         """See `Structure`."""
-        near = AT_END * FAR
-        end: Literal["", "lowest", "highest"] = "highest" if x[0] > near else "lowest" if x[0] < -near else ""
+        highest, lowest = x[0] > FARTHEST_CORNER - AT_END, x[0] < AT_END - FAR
+        end: Literal["", "lowest", "highest"] = "highest" if highest else "lowest" if lowest else ""
         return Corner(few_digits(float(np.exp(x[0])) * omega_0), end)
 
 

@@ -254,9 +254,13 @@ def test_a_solver_that_fails_ends_the_enlargement_with_what_there_is(monkeypatch
     monkeypatch.setattr(BandProgram, "largest_band", lambda self, *a, **k: up_to(30, self, *a, **k))
     found = compute_bound(setting())
     assert found is not None and found.terms in (24, 30) and "vouches" in found.stopped
-    for most in (10, 20):
-        monkeypatch.setattr(BandProgram, "largest_band", lambda self, *a, most=most, **k: up_to(most, self, *a, **k))
-        with pytest.raises(UndecidedError, match="no bound"):
-            compute_bound(setting())
+    monkeypatch.setattr(BandProgram, "largest_band", lambda self, *a, **k: up_to(20, self, *a, **k))
+    fewer = compute_bound(setting())
+    assert fewer is not None and fewer.terms == 19 and "vouches" in fewer.stopped and "24 terms" in fewer.stopped
+    with pytest.raises(UndecidedError, match="no bound"):
+        compute_bound(setting(), 24)  # what was asked for is not replaced
+    monkeypatch.setattr(BandProgram, "largest_band", lambda self, *a, **k: up_to(10, self, *a, **k))
+    with pytest.raises(UndecidedError, match="no bound"):
+        compute_bound(setting())
     monkeypatch.setattr(BandProgram, "largest_band", lambda self, *a, **k: Failure.INFEASIBLE)
     assert compute_bound(setting()) is None

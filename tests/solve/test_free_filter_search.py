@@ -13,7 +13,7 @@ from good_joint import setting
 from robimp.synthesis import design
 from robimp.synthesis.certificate.claims import Counterexample, counterexamples
 from robimp.synthesis.problem.setting import Setting
-from robimp.synthesis.solve.classical import FORMS, Classical
+from robimp.synthesis.solve.classical import FARTHEST_CORNER, FORMS, Classical
 from robimp.synthesis.solve.corner import Corner
 from robimp.synthesis.solve.filtered import Filtered, structure_of
 from robimp.synthesis.solve.nlp import Candidate, Program
@@ -53,7 +53,7 @@ def searched(joint: Setting, seed: int = 0) -> Found:
 def test_a_family_behind_a_filter_has_one_parameter_more(family: Structure) -> None:
     behind, rng = Filtered(family), np.random.default_rng(0)
     low, high = behind.bounds
-    assert (low[0], high[0]) == (-FAR, FAR) and low.size == family.bounds[0].size + 1
+    assert (low[0], high[0]) == (-FAR, FARTHEST_CORNER) and low.size == family.bounds[0].size + 1
     for _ in range(20):
         x = behind.start(rng)
         assert np.all(low <= x) and np.all(x <= high)
@@ -82,10 +82,10 @@ def test_a_corner_has_six_digits_and_says_where_the_search_ended() -> None:
     of = Filtered(Classical()).corner
     assert of(np.array([0.123456789, 0.0]), 37.0) == Corner(Fraction("41.8618"))
     assert of(np.array([0.123456789, 0.0]), 37.0).note == ""
-    high, low = of(np.array([FAR, 0.0]), 10.0), of(np.array([-FAR, 0.0]), 10.0)
-    assert high == Corner(Fraction(1000), "highest") and "highest that is searched, 1000 rad/s: without" in high.note
+    high, low = of(np.array([FARTHEST_CORNER, 0.0]), 10.0), of(np.array([-FAR, 0.0]), 10.0)
+    assert high == Corner(Fraction(10**6), "highest") and "highest that is searched, 1e+06 rad/s: without" in high.note
     assert low == Corner(Fraction("0.1"), "lowest") and "lowest that is searched" in low.note
-    assert of(np.array([0.99 * FAR, 0.0]), 10.0).end == "", "near the end is not at it"
+    assert of(np.array([0.98 * FARTHEST_CORNER, 0.0]), 10.0).end == "", "near the end is not at it"
 
 
 def test_only_a_free_corner_is_searched() -> None:

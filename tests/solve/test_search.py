@@ -241,7 +241,7 @@ def in_time(monkeypatch: pytest.MonkeyPatch, cut: int, **options: Any) -> tuple[
     monkeypatch.setattr(Search, "_best", proving)
     monkeypatch.setattr(search_module.time, "monotonic", lambda: clock[0])
     joint = setting()
-    refute = partial(lambda joint, c, w: counterexamples(joint, joint.compensator(c), w), joint)
+    refute = partial(lambda joint, c, w: counterexamples(joint, joint.compensator(c.coefficients), w), joint)
     found = Search(joint, refute, 50.0, lambda text: None, deadline=cut - 0.5, **options).run()
     return found, asked
 
@@ -266,7 +266,7 @@ def test_a_filter_costs_nothing_and_a_higher_order_never_ends_lower() -> None:
     reached: dict[str, float] = {}
     for controller in ("form: pi-lead", "form: pi-lead-filtered", "order: 3", "order: 4"):
         joint = setting(("type: dob, order: 4", f"type: dynamic-feedback, {controller}"))
-        refute = partial(lambda joint, c, w: counterexamples(joint, joint.compensator(c), w), joint)
+        refute = partial(lambda joint, c, w: counterexamples(joint, joint.compensator(c.coefficients), w), joint)
         found = Search(joint, refute, 53.5, lambda text: None).run()
         assert found is not None and proven(joint, found)
         reached[controller] = found.candidate.omega_B
