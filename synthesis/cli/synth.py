@@ -25,7 +25,7 @@ TimeLimit = Annotated[
     typer.Option(
         metavar="SECONDS",
         min=0.0,
-        help="Stop searching after this long, each of several orders, with the best known by then.",
+        help="Stop searching each order after this long, with the best known by then.",
     ),
 ]
 Seed = Annotated[int, typer.Option(metavar="N", min=0, help="Of the random starts; the same seed, the same digits.")]
