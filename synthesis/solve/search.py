@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class Search:
         return None
 
     def _around(self, omega_0: float) -> Found | None:
-        return replace(self, omega_0=omega_0)._at_scale(structure_of(self.setting.spec))
+        return replace(self, omega_0=omega_0)._from_simple(contained(structure_of(self.setting.spec)))
 
     def _nearby(self, found: Found) -> Found:
         """The better of what was found and what a search around it finds, where the grid is dense."""
@@ -91,30 +91,29 @@ class Search:
         better = found if again is None or again.candidate.omega_B < found.candidate.omega_B else again
         return replace(better, late=self._late)
 
-    def _at_scale(self, structure: Structure) -> Found | None:
-        return self._from_simple(contained(structure))
-
     def _from_simple(self, chain: list[Structure]) -> Found | None:
         """Search structure after structure, each from the optima of those it contains; prove the last one's."""
-        first = Grids.of(self.setting, self.omega_0)
+        first, includes = Grids.of(self.setting, self.omega_0), chain[-1].includes
+        program_of = cache(lambda structure: Program(self.setting, structure, first, self.omega_0))
         found: dict[Structure, Optima] = {}
         for structure in chain:
             if self._late:
                 break
             key, asked = (structure, self.omega_0), structure == chain[-1]
-            program = Program(self.setting, structure, first, self.omega_0)
             if key in self.known and not (self.starts and asked):
                 found[structure] = self.known[key]
             else:
                 self.progress(f"searching {structure}")
-                found[structure] = self._optima(program, self._below(structure, found, first), asked)
+                found[structure] = self._optima(program_of(structure), self._below(structure, found, first), asked)
                 if not self._late:  # else it is not all there is to know
                     self.known[key] = found[structure]
-            if self.short and not asked and (early := self._best(program, found[structure])) is not None:
-                return early
+            if self.short and not asked and includes(structure):
+                early = self._best(program_of(structure), found[structure])
+                if early is not None:
+                    return early
         late = self._late
-        for structure in filter(chain[-1].includes, reversed(found)):  # one of lower order is one of this order, too
-            program = Program(self.setting, structure, first, self.omega_0)
+        for structure in filter(includes, reversed(found)):  # one of lower order is one of this order, too
+            program = program_of(structure)
             best = self._overtime._best(program, found[structure])
             if best is None and structure != chain[-1] and found[structure].candidates and not late:
                 self.progress(f"nothing proven; searching {structure} for its own sake")  # so far it only gave starts

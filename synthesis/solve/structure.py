@@ -23,7 +23,7 @@ DIGITS = 6  # significant digits that coefficients are rounded to before anythin
 LEAST_DAMPING, MOST_DAMPING = 0.02, 5.0  # of pairs of poles; more damping is a pole far beyond the actuator
 FAR, ZEROS = float(np.log(100.0)), 100.0  # poles within a factor 100 of ω₀; bounds on the coefficients of zeros
 FARTHEST, MOST_APART = float(np.log(1e4)), 10.0  # where they may be `far`: the same, and the damping of pairs
-LEAST_WIDER = 8  # order from which on far poles are looked for: lower ones gain less than 0.4 % by them
+LEAST_WIDER = 8  # order from which on far poles are looked for: it takes as long as the search before it
 
 Coefficients = list[Any]  # descending powers; floats or symbolic expressions
 Filter = tuple[Coefficients, Coefficients] | None

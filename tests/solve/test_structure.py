@@ -156,3 +156,10 @@ def test_a_form_has_the_factors_of_its_name(name: str) -> None:
     np.testing.assert_allclose(num, CLASSICAL[name][0], rtol=1e-12)
     np.testing.assert_allclose(den, CLASSICAL[name][1], rtol=1e-12)
     assert set(FORMS) == {*CLASSICAL, "eq23"} == {form for forms in SPEC_FORMS.values() for form in forms}
+
+
+def test_a_filtered_form_is_not_shipped_without_its_filter() -> None:
+    """The checker counts its poles: what has no filter is only a start for it."""
+    lead = FORMS["pi-lead-filtered"]
+    assert lead.includes(FORMS["pi-filtered"]) and not lead.includes(FORMS["pi-lead"])
+    assert FORMS["pi-lead"].includes(FORMS["pi"]) and QFilter(6).includes(QFilter(4))
