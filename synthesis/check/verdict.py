@@ -9,7 +9,7 @@ from stat import S_ISFIFO
 from typing import Any
 
 from .joint import validate
-from .outcome import FALSE, MISMATCH, UNDECIDED, UNREADABLE, CheckError, demand
+from .outcome import FALSE, MISMATCH, UNDECIDED, UNREADABLE, CheckError, demand, tick
 from .proofs import Prover
 from .reader import MAX_BYTES, read
 from .requirements import WHOLE, compare
@@ -86,6 +86,7 @@ def _decision(certificate: dict[str, Any], deadline: float) -> Callable[..., str
 
     def fault(*claim: Any) -> str:
         nonlocal prover
+        tick(deadline)  # before large polynomials are made once more
         found = prover.fault(*claim)
         if found is None:
             try:

@@ -21,6 +21,9 @@ from robimp.synthesis import check
 from robimp.synthesis.check import Verdict, check_bytes, check_file
 from robimp.synthesis.check.__main__ import main
 from robimp.synthesis.check.outcome import CheckError, demand, tick
+from robimp.synthesis.check.proofs import Prover
+from robimp.synthesis.check.reader import read
+from robimp.synthesis.check.verdict import _decision
 
 WHOLE = ["0", "inf"]
 OMEGA_B = "1097399/1000000"
@@ -203,6 +206,17 @@ def test_without_the_second_tier_polynomials_still_decide(monkeypatch: pytest.Mo
 def test_no_time_is_no_proof(limit: float, said: str) -> None:
     found = judged(small(), time_limit=limit)
     assert found.exit_code == 5 and "time limit" in found.message and found.message.endswith(said)
+
+
+def test_after_the_limit_no_claim_is_begun(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each would make its polynomials, which may take a second, before it looks at the clock itself."""
+    begun: list[Any] = []
+    monkeypatch.setattr(Prover, "fault", lambda _, *asked: begun.append(asked) or "")
+    certificate = read(data(seal(small())))
+    assert _decision(certificate, monotonic() + 30)("the first") == "" and begun == [("the first",)]
+    with pytest.raises(CheckError, match="time limit reached"):
+        _decision(certificate, monotonic() - 1)("the second")
+    assert len(begun) == 1
 
 
 def test_a_limit_in_seconds_from_now() -> None:
