@@ -57,16 +57,17 @@ def write_atomic(path: Path, data: bytes) -> None:
     demand_none()
     temporary: str | None = None
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        _remove_abandoned(path)
-        handle, temporary = _held_temporary(path)
+        target = Path(os.path.realpath(path))  # a link stays one
+        target.parent.mkdir(parents=True, exist_ok=True)
+        _remove_abandoned(target)
+        handle, temporary = _held_temporary(target)
         lock = os.dup(handle)  # holds the temporary file until it is in place: see _remove_abandoned
         try:
             with os.fdopen(handle, "wb") as file:
                 _write_through(file, data)
             Path(temporary).chmod(0o644)
             demand_none()
-            Path(temporary).replace(path)
+            Path(temporary).replace(target)
         finally:
             os.close(lock)
     except (OSError, ValueError) as error:  # ValueError: a path with a null character

@@ -34,6 +34,15 @@ def test_a_file_is_replaced_whole(tmp_path: Path) -> None:
     assert target.read_bytes() == b"short"
 
 
+def test_a_link_stays_a_link_and_its_file_is_written(tmp_path: Path) -> None:
+    link = tmp_path / "latest.json"
+    link.symlink_to(Path("runs") / "file.json")
+    for content in (b"first", b"second"):
+        write_atomic(link, content)
+        assert link.is_symlink() and (tmp_path / "runs" / "file.json").read_bytes() == content
+        assert names(tmp_path) == ["latest.json", "runs"] and names(tmp_path / "runs") == ["file.json"]
+
+
 @pytest.mark.parametrize("step", ["fsync", "fdopen", "replace"])
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()], ids=["full", "Ctrl-C"])
 def test_a_failure_at_any_step_leaves_the_old_file_and_no_litter(
