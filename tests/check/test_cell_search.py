@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from itertools import product
+from itertools import pairwise, product
 from math import inf
 from time import monotonic
 from typing import Any
@@ -120,7 +120,7 @@ def test_the_parameter_that_matters_is_halved_the_lower_half_first(looks: Any, a
 def halved(seen: list[tuple[Cell, Box]]) -> str:
     """What became smaller from one look to the next: ω, or the name of a parameter."""
     found = ""
-    for (c, around), (d, inside) in zip(seen, seen[1:], strict=False):
+    for (c, around), (d, inside) in pairwise(seen):
         names = [key[1] for key in around if around[key] != inside[key]]
         names += ["ω"] if (c.lo, c.hi) != (d.lo, d.hi) else []
         found += "".join(names) or "-"
@@ -167,7 +167,7 @@ def test_forty_thousand_cells_are_too_many(looks: Any) -> None:
     seen, one = looks(lambda *_: (1, [])), cell(1, 1)
     assert cover([one] * 39_999, nothing, inf) == ""
     assert len(seen) == 39_999
-    with pytest.raises(CheckError, match="^neither proven nor refuted$") as undecided:
+    with pytest.raises(CheckError, match=r"^neither proven nor refuted$") as undecided:
         cover([one] * 40_000, nothing, inf)
     assert undecided.value.code == UNDECIDED
 
