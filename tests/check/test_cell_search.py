@@ -246,6 +246,8 @@ def test_zonotopes_go_to_the_hull_and_inequalities_to_the_comparison(monkeypatch
     monkeypatch.setattr(search, "compare", lambda *_: (1, []))
     assert search._look(cell(1, 2), box(A, B), lambda *_: [["zonotope"]], 1, later()) == (0, [4, 2])
     assert search._look(cell(1, 2), box(A, B), lambda *_: [("inequality",)], 1, later()) == (1, [])
+    assert search._look(cell(1, 2), {}, lambda *_: [["zonotope"]], 2, later()) == (0, [1, 0])
+    assert search._look(cell(1, 2), {}, lambda *_: [("inequality",)], 2, later()) == (1, [])
 
 
 @pytest.mark.parametrize(

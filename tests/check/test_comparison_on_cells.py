@@ -103,9 +103,10 @@ def test_what_is_unknown_is_in_the_coarsest_unit(values: list[Form], unknown: in
         assert (f.m, f.c * Fraction(2) ** f.e, f.l, f.q) == (0, exact.c * Fraction(2) ** exact.e, [0], 0)
 
 
-def test_what_depends_on_the_place_in_the_cell_is_known() -> None:
-    found = levelled([form(5, r=1, l=3, q=-2, cell=WIDE)] * 3, 2, 1)
-    assert [parts_of(f) for f in found] == [(0, 0, 10, [6], -4, 6)] * 3
+def test_what_depends_on_the_place_or_on_a_symbol_is_known() -> None:
+    cell = Cell(Fraction(1), Fraction(4), False, {("numerator", 0): (Fraction(-1), Fraction(1))})
+    found = levelled([Form(cell, 0, 0, 5, [3, 7], -2, 1)] * 3, 2, 1)
+    assert [parts_of(f) for f in found] == [(0, 0, 10, [6, 14], -4, 6)] * 3
 
 
 # Conditions
@@ -226,6 +227,11 @@ COMPARED: list[tuple[list[Value], Value, bool, Said]] = [
     ([form(-4 << 20, m=1)], form(5 << 20), True, YES),
     ([form(4 << 20, m=2), form(-9 << 20, m=1)], form(26 << 20), True, YES),
     ([form(4 << 20, m=2), form(-9 << 20, m=1)], form(24 << 20), True, NO),
+    ([form(-1, m=1), form(-4, m=1), form(-9, m=1)], form(-37, m=1), True, YES),
+    ([form(-1, m=1), form(-4, m=1), form(-9, m=1)], form(-35, m=1), True, NO),
+    ([form(1, m=2), form(4, m=2), form(9, m=2)], form(35, m=2), True, NO),
+    ([form(-1 << 20, m=1), form(4 << 20, m=2), form(9 << 20)], form(-37 << 20, m=3), True, YES),
+    ([form(-1 << 20, m=1), form(4 << 20, m=2), form(9 << 20)], form(-35 << 20, m=3), True, NO),
     ([form(-1, m=1, e=3)], form(-1, m=1, e=4), True, YES),
     ([form(-1, m=1, r=1)], form(-3, m=1), True, YES),
     ([form(-1, m=1, r=2)], form(-3, m=1), True, OPEN),
@@ -235,6 +241,10 @@ COMPARED: list[tuple[list[Value], Value, bool, Said]] = [
 @pytest.mark.parametrize(("terms", "bound", "strict", "said"), COMPARED)
 def test_sums_of_roots_are_compared(terms: list[Value], bound: Value, strict: bool, said: Said) -> None:
     assert compare(POINT, [inequality(terms, bound, strict)]) == said
+
+
+def test_the_degree_is_two_if_it_is_not_said() -> None:
+    assert compare(POINT, [inequality([4], 5)] * 3, n=1) == YES
 
 
 def test_polynomials_become_forms_of_the_cell() -> None:
