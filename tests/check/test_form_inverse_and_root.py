@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from itertools import product
 from math import isqrt
@@ -22,6 +22,8 @@ WHERE = {
     "unknown": (0, 0, 0, 1),
     "all": (3, 2, 1, 2),
 }
+KEPT: tuple[Callable[[Form], int], ...] = (lambda f: f.l[1], lambda f: f.q)
+START = 12 * 10**18  # of 64 bits
 SHARES = [
     Fraction(0),
     Fraction(1, 2**40),
@@ -60,28 +62,30 @@ def some(rng: random.Random, n: int, bits: int, where: str, share: Fraction) -> 
     return form(c, slopes, q, parts[-1], rng.randint(-70, 70), rng.randint(-2, 2))
 
 
-def cases(seed: int, size: int) -> Iterator[Form]:
-    """Forms with 1 to 20 coefficients of 1 to 62 bits: some with their variation in one place, some in all."""
+def cases(seed: int, n: int) -> Iterator[Form]:
+    """Forms with n coefficients of 1 to 62 bits: some with their variation in one place, some in all."""
     rng = random.Random(seed)
-    for n, where, share in product((1, 3, 20), WHERE, SHARES):
+    for where, share in product(WHERE, SHARES):
         if where != "symbols" or n > 1:
-            for _ in range(size if n < 20 else 2):
+            for _ in range(4 if n < 20 else 1):
                 yield some(rng, n, rng.choice((1, 2, 4, 11, 30, 62)), where, share)
 
 
-def test_an_inverse_contains_the_inverse_at_every_point() -> None:
-    for f in cases(1, 4):
+@pytest.mark.parametrize("n", [1, 3, 20])
+def test_an_inverse_contains_the_inverse_at_every_point(n: int) -> None:
+    for f in cases(1, n):
         g = f.inverse()
         assert g.m == -f.m
-        for t in points(len(f.l)):
+        for t in points(n):
             (low, high), (least, most) = between(f, t), between(g, t)
             assert least <= 1 / high <= 1 / low <= most, (f.c, f.l, f.q, f.r)
 
 
-def test_an_inverse_is_as_wide_as_its_remainder_and_its_floors() -> None:
+@pytest.mark.parametrize("n", [1, 3, 20])
+def test_an_inverse_is_as_wide_as_its_remainder_and_its_floors(n: int) -> None:
     """`(D² − l_0²)/c³ + D³/(c³(c − D)) + r/c²`, a unit for its floor, two a number, and eight; all halved at least."""
-    for f in cases(2, 8):
-        g, n, D = f.inverse(), len(f.l), f.w + f.r
+    for f in cases(2, n):
+        g, D = f.inverse(), f.w + f.r
         rest = (Fraction(D * D - f.l[0] ** 2) + Fraction(D**3, f.c - D)) / f.c**3 + Fraction(f.r, f.c**2)
         assert g.r <= rest / Fraction(2) ** (f.e + g.e) + Fraction(2 * n + 9, 2) + n + 3
         assert (abs(g.c) + g.w + g.r).bit_length() >= BITS - 1
@@ -117,22 +121,55 @@ def sqrt(value: Fraction) -> Fraction:
     return Fraction(isqrt(int(value * 4**200)), 2**200)
 
 
-def test_a_root_contains_the_root_at_every_point() -> None:
-    for f in cases(3, 4):
+@pytest.mark.parametrize("n", [1, 3, 20])
+def test_a_root_contains_the_root_at_every_point(n: int) -> None:
+    for f in cases(3, n):
         g = f.root()
         assert g.m == 0
-        for t in points(len(f.l)):
+        for t in points(n):
             assert contains_root(g, t, *between(f, t)), (f.c, f.l, f.q, f.r)
 
 
-def test_a_root_is_as_wide_as_its_remainder_and_its_floors() -> None:
-    """`(√c − √(c − D))²/(4√c) + r/(2√c)`; of n + 7 units of what is computed at least eight are one of the result."""
-    for f in cases(4, 8):
-        g, n, D, unit = f.root(), len(f.l), f.w + f.r, Fraction(2) ** f.e
+@pytest.mark.parametrize("n", [1, 3, 20])
+def test_a_root_is_as_wide_as_its_remainder_and_its_floors(n: int) -> None:
+    """`(√c − √(c − D))²/(4√c) + r/(2√c)`; of n + 7 units of what is computed sixteen or more are one of the result."""
+    for f in cases(4, n):
+        g, D, unit = f.root(), f.w + f.r, Fraction(2) ** f.e
         root = sqrt(f.c * unit)
         rest = (root - sqrt((f.c - D) * unit)) ** 2 / root / 4 + f.r * unit / root / 2
-        assert g.r <= rest / Fraction(2) ** g.e + Fraction(n + 7, 8) + n + 3
+        assert g.r <= rest / Fraction(2) ** g.e + Fraction(n + 7, 16) + n + 3
         assert (abs(g.c) + g.w + g.r).bit_length() >= BITS - 1
+
+
+@pytest.mark.parametrize("n", [1, 3, 10])
+def test_the_first_rounding_of_a_root_costs_less_than_one_unit_of_the_second(n: int) -> None:
+    """n + 5 of at least sixteen, with ten coefficients fifteen; the second, to 64 bits, takes n + 3."""
+    for c in (1, 2**63 + 1, 3**39):
+        assert form(c, [0] * n, e=1).root().r == form(c, [0] * n).root().r == n + 3
+
+
+@pytest.mark.parametrize("n", [1, 4, 30])
+@pytest.mark.parametrize("operation, lost", [(Form.inverse, Fraction(5, 4)), (Form.root, Fraction(14, 5))])
+def test_the_bounds_hold_where_every_floor_loses_much(
+    operation: Callable[[Form], Form], lost: Fraction, n: int
+) -> None:
+    """Of many numbers those are taken of which most is cut off, all in one direction; then r goes on by one."""
+
+    def true(c: int) -> tuple[Fraction, Fraction]:
+        value = sqrt(Fraction(c)) if operation is Form.root else Fraction(1, c)
+        return value, (1 / value / 2 if operation is Form.root else -(value**2))  # and its derivative
+
+    unit = Fraction(2) ** operation(form(START)).e
+    c = max(range(START, START + 300), key=lambda c: true(c)[0] / unit - operation(form(c)).c)
+    value, slope = (a / unit for a in true(c))
+    slopes, bends = ({v: v * slope - kept(operation(form(c, [0, v], v))) for v in range(-300, 300)} for kept in KEPT)
+    v, bend = (max(less, key=lambda v: less[v]) for less in (slopes, bends))
+    assert value - operation(form(c)).c + slopes[v] + bends[bend] > lost  # three floors, in units
+    for r, side in product(range(64), (-1, 0, 1)):
+        f = form(c, [v] * n, bend, r)
+        g, t = operation(f), (side,) * n
+        (low, high), (least, most) = between(f, t), between(g, t)
+        assert contains_root(g, t, low, high) if operation is Form.root else least <= 1 / high <= 1 / low <= most
 
 
 @pytest.mark.parametrize("e", [0, 1, -1, -63, 70])
@@ -152,15 +189,17 @@ def test_the_root_of_what_may_reach_zero_is_anything_up_to_the_largest(
     assert -few <= least and most <= sqrt(top) + few and g.c.bit_length() > BITS - 3
 
 
+@pytest.mark.parametrize("e", [0, 1])
 @pytest.mark.parametrize("over", range(1, 40))
-def test_the_root_of_a_little_more_than_zero_has_half_the_digits_and_no_more_than_two_units_too_many(over: int) -> None:
-    """c + D is `over` 2^−8 of what c and D are made of; c < 0 and numbers of less than 64 bits, so nothing is cut."""
-    f = form(-(2**62), [0, 0], 0, 2**62 + over)
-    g = f.root()
+def test_the_root_of_a_little_more_than_zero_has_half_the_digits_and_less_than_two_units_too_many(
+    over: int, e: int
+) -> None:
+    """c + D = `over`, of numbers of 64 bits, and c < 0: the root has so few digits that none is cut."""
+    g, value = form(-(2**62), [0, 0], 0, 2**62 + over, e).root(), Fraction(over * 2**e)
     least, most = between(g, (0, 0))
     assert (g.m, g.e, g.l, g.q) == (0, -36, [0, 0], 0)
-    assert contains_root(g, (0, 0), Fraction(0), Fraction(over)) and least >= -(Fraction(2) ** g.e)
-    assert most <= sqrt(Fraction(over)) + 2 * Fraction(2) ** g.e
+    assert contains_root(g, (0, 0), Fraction(0), value) and least >= -(Fraction(2) ** g.e)
+    assert most <= sqrt(value) + 2 * Fraction(2) ** g.e
 
 
 @pytest.mark.parametrize("c, r", [(0, 0), (-5, 0), (-5, 5), (-(2**63), 2**20)])
@@ -169,13 +208,11 @@ def test_the_root_of_what_is_not_above_zero_is_zero_and_less_than_a_unit(c: int,
     assert (g.m, g.c, g.l, g.q, g.r) == (0, 0, [0, 0], 0, 1) and g.e < -26
 
 
-def test_roots_of_squares() -> None:
-    """√(25 + 10 t + t²) = 5 + t, √(4 + t_1) = 2 + t_1/4 − …: the first order, to 40 bits where the rest is small."""
-    for f, root, slope in (
-        (form(25 << 40, [10]), 5 << 20, 1),
-        (form(4 << 40, [0, 4]), 2 << 20, 1),
-        (form(9, e=4), 12, 0),
-    ):
-        g = f.root()
-        assert abs(g.middle() - root) < Fraction(1, 2**19)
-        assert abs((g.l[-1] * Fraction(2) ** g.e) * 2**20 - slope) < Fraction(1, 2**19)
+@pytest.mark.parametrize("f, root, slope", [
+    (form(25 << 40, [10]), 5 << 20, 1), (form(4 << 40, [0, 4]), 2 << 20, 1), (form(9, e=4), 12, 0),
+])  # fmt: skip
+def test_the_root_of_a_square_and_its_first_order(f: Form, root: int, slope: int) -> None:
+    """√(25·2^40 + 10 t_0) = 5·2^20 + 2^−20 t_0 − …, √(4·2^40 + 4 t_1) = 2·2^20 + 2^−20 t_1 − …, √144 = 12."""
+    g = f.root()
+    assert abs(g.middle() - root) < Fraction(1, 2**19)
+    assert abs(g.l[-1] * Fraction(2) ** g.e * 2**20 - slope) < Fraction(1, 2**19)
