@@ -44,8 +44,8 @@ def points(n: int) -> Iterator[Point]:
     """Corners, all if there are few, and between them in t_0."""
     rng = random.Random(n)
     signs = list(product((-1, 1), repeat=n - 1)) if n < 4 else [rng.choices((-1, 1), k=n - 1) for _ in range(4)]
-    for t_0, others in product((-1, 0, Fraction(1, 3), 1), signs):
-        yield (Fraction(t_0), *map(Fraction, others))
+    for t_0, others in product((-3, 0, 1, 3), signs):
+        yield (Fraction(t_0, 3), *map(Fraction, others))
 
 
 # --- 64 bits
