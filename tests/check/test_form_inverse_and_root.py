@@ -114,7 +114,7 @@ def test_what_may_be_zero_has_no_inverse(f: Form) -> None:
 def contains_root(g: Form, t: tuple[int, ...], low: Fraction, high: Fraction) -> bool:
     """Whether √low and √high are in it: compared as squares."""
     least, most = between(g, t)
-    return (least <= 0 or least**2 <= max(low, 0)) and most >= 0 and most**2 >= high
+    return (least <= 0 or least**2 <= low) and most >= 0 and most**2 >= high
 
 
 def sqrt(value: Fraction) -> Fraction:
