@@ -123,17 +123,16 @@ class Form(Ring):
 
         Where d may reach −c it is anything from 0 to the root of the upper bound."""
         D = self.w + self.r
-        n = max(2 * BITS + 8 - (abs(self.c) + D).bit_length(), 0)
+        n = 2 * BITS + 8 - (abs(self.c) + D).bit_length()  # at least 71
         n += (self.e - n) % 2
         c, D, e = self.c << n, D << n, (self.e - n) // 2
-        top = isqrt(max(c + D, 0)) + 1
         if c <= D:
-            return Form(self.cell, 0, e, top >> 1, [0] * len(self.l), 0, (top >> 1) + 1)
+            half = isqrt(max(c + D, 0)) + 1 >> 1
+            return Form(self.cell, 0, e, half, [0] * len(self.l), 0, half + 1)
         root = isqrt(c)
-        w = max(top - root, root + 1 - isqrt(c - D))
-        rest = w * w // (2 * root) + 1
+        rest = (root + 1 - isqrt(c - D)) ** 2 // (2 * root) + 1  # towards c + D it is less
         values = [(v << n) // (2 * root) for v in self.l]
-        r = (rest >> 1) + len(values) + 5 + (self.r << n) // (2 * root) + D // (2 * root * root)
+        r = (rest >> 1) + len(values) + 5 + (self.r << n) // (2 * root)
         return Form(self.cell, 0, e, root - (rest >> 1), values, (self.q << n) // (2 * root), r)
 
     def sign(self, strict: bool = True) -> int:
@@ -145,7 +144,7 @@ class Form(Ring):
 
 def dip(l: int, q: int) -> int:  # noqa: E741
     """The least value of `l t + q t²` for |t| ≤ 1, less than one too low."""
-    return -(l * l // (4 * q)) - 1 if abs(l) < 2 * q else q - abs(l)
+    return -l * l // (4 * q) if abs(l) < 2 * q else q - abs(l)
 
 
 class Axis(Ring):
