@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 import pytest
 
@@ -13,6 +14,11 @@ from robimp.synthesis.check.joint import Ranges
 
 F = Fraction
 TWO: Ranges = {("plant", "inertia"): (F(1), F(2)), ("plant", "damping"): (F(1), F(2))}
+
+
+def ends(found: list[Cell]) -> list[tuple[Any, Any, bool]]:
+    """χ where the cells begin and end, and whether it is 1/x."""
+    return [(cell.lo, cell.hi, cell.far) for cell in found]
 
 
 @pytest.mark.parametrize(
@@ -27,24 +33,18 @@ def test_zeta_is_about_one_where_chi_is_largest(lo: Fraction, hi: Fraction, b: i
 
 @pytest.mark.parametrize("far", [False, True])
 def test_halves_are_two_cells_the_one_at_smaller_frequency_first(far: bool) -> None:
-    def ends(cell: Cell) -> tuple[Fraction, Fraction, bool]:
-        assert cell.ranges is TWO
-        return cell.lo, cell.hi, cell.far
-
+    wide = Cell(F(0), F(1, 4), True, TWO) if far else Cell(F(0), F(4), False, TWO)
     if far:  # [4, ∞] = [4, 16] and [16, ∞]
-        assert [*map(ends, Cell(F(0), F(1, 4), True, TWO).halves())] == [(4, 16, False), (0, F(1, 16), True)]
+        assert ends(wide.halves()) == [(4, 16, False), (0, F(1, 16), True)]
     else:
-        assert [*map(ends, Cell(F(1), F(4), False, TWO).halves())] == [(1, F(5, 2), False), (F(5, 2), 4, False)]
-        assert [*map(ends, Cell(F(0), F(4), False, TWO).halves())] == [(0, 1, False), (1, 4, False)]
+        assert ends(wide.halves()) == [(0, 1, False), (1, 4, False)]
+        assert ends(Cell(F(1), F(4), False, TWO).halves()) == [(1, F(5, 2), False), (F(5, 2), 4, False)]
+    assert all(half.ranges is TWO for half in wide.halves())
 
 
 def test_a_cell_says_where_it_begins() -> None:
     assert str(Cell(F(1, 9), F(1), False, {})) == " at ω = 0.333333 rad/s"
     assert str(Cell(F(0), F(1), True, {})) == " at ω = inf"
-
-
-def ends(found: list[Cell]) -> list[tuple[Fraction, Fraction, bool]]:
-    return [(cell.lo, cell.hi, cell.far) for cell in found]
 
 
 def test_all_frequencies_are_cut_at_powers_of_four() -> None:
