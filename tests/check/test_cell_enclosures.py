@@ -49,6 +49,10 @@ def drawn(rng: random.Random) -> Cell:
     return Cell(hi * share, hi, False, {})
 
 
+def total(ascending: list[Fraction], z: Fraction) -> Fraction:
+    return sum((c * z**k for k, c in enumerate(ascending)), F(0))
+
+
 def places(rng: random.Random) -> list[Fraction]:
     return [F(-1), F(0), F(1), F(rng.randint(-99, 99), 100)]
 
@@ -196,11 +200,11 @@ def test_polynomials_are_contained_in_both_coordinates(unit: int | None, bits: B
         for t in places(rng):
             if value := chi(cell, [t]):
                 at = [t, F(rng.randint(-1, 1)), F(rng.randint(-1, 1))]
-                assert contains(x, at, sum(c * (1 / value if cell.far else value) ** k for k, c in enumerate(a)))
+                assert contains(x, at, total(a, 1 / value if cell.far else value))
                 # s^2i = τ^2i, and s^(2i+1) = τ τ^2i; or τ^-2i, and τ τ^-2(i+1), where τ = 1/s
                 z = -1 / value if cell.far else -value
-                assert contains(p.p, at, sum(c * z**i for i, c in enumerate(a[::2])))
-                assert contains(p.q, at, sum(c * z ** (i + cell.far) for i, c in enumerate(a[1::2])))
+                assert contains(p.p, at, total(a[::2], z))
+                assert contains(p.q, at, total(a[1::2], z) * (z if cell.far else 1))
 
 
 def test_a_polynomial_is_enclosed_once_and_what_is_on_the_cell_stays() -> None:
