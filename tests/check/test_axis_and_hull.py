@@ -33,7 +33,7 @@ def axis(cell: Cell, p: int, q: int) -> Axis:
 def number(f: Form) -> float:
     """Of a form that is known well, where ζ = −1."""
     assert f.width() < 1e-12
-    return float(f.middle()) * (-1) ** f.m
+    return float(-f.middle() if f.m % 2 else f.middle())
 
 
 def complex_of(z: Axis) -> complex:
@@ -61,6 +61,13 @@ def test_the_arithmetic_of_complex_quantities(cell: Cell) -> None:
         assert [number(f) for f in z.parts()] == pytest.approx([u.real, u.imag / 2])
         if abs(u) > 0:
             assert complex_of(z.inverse()) == pytest.approx(1 / u)
+
+
+def test_a_real_factor_multiplies_both_parts() -> None:
+    for p, q in ((5, 7), (0, 7), (5, 0)):
+        z, factor = axis(WIDE, p, q), axis(WIDE, 3, 0)
+        found = z * factor
+        assert (fields(found.p), fields(found.q)) == (fields(z.p * factor.p), fields(z.q * factor.p))
 
 
 def test_a_symbol_times_a_complex_quantity() -> None:
@@ -109,7 +116,9 @@ def test_the_three_directions_that_leave_most_are_tried(
         given = [[*row, *((rng.randint(-99, 99), rng.randint(-99, 99)) for _ in range(3))] for row in rows]
         bits = [max(abs(pair[k]) for z in given for pair in z).bit_length() for k in (0, 1)]
         p, q = (sum(z[0][k] for z in given) for k in (0, 1))
-        wanted = [(share((one * p / 4 ** bits[0], one * q / 4 ** bits[1]), given), (p, q), None)]
+        wanted: list[tuple[Fraction | None, Pair, Pair | None]] = [
+            (share((one * p / 4 ** bits[0], one * q / 4 ** bits[1]), given), (p, q), None)
+        ]
         wanted += [(share((-one * v, one * u), given), (-v, u), (k, n)) for k, z in enumerate(given)
                    for n, (u, v) in enumerate(z) if n]  # fmt: skip
         best = sorted([w for w in wanted if w[0] and w[0] > 0], key=lambda w: w[0] or 0, reverse=True)
@@ -148,6 +157,24 @@ def test_a_hull_without_zero(given: list[list[Pair]], said: tuple[bool, bool], e
     assert excludes_zero(zonotopes(WIDE, given, e, d)) == said
     turned = [[(-q, p) for p, q in z] for z in given]
     assert excludes_zero(zonotopes(WIDE, turned, e, d)) == said
+
+
+@pytest.mark.parametrize("bits", [3, 40, 70])
+@pytest.mark.parametrize("width", [Fraction(0), Fraction(1, 10**12), Fraction(1, 8)])
+def test_a_hull_that_zero_is_a_corner_of_is_never_excluded(bits: int, width: Fraction) -> None:
+    """f_0 ± f_1 ± f_2 = 0 for all ω, or 0 is between two such corners; not so with 9/8 f_0."""
+    rng, excluded = random.Random(f"{bits} {width}"), 0
+    for _ in range(60):
+        lo = Fraction(rng.randint(1, 99), rng.randint(1, 99))
+        cell = Cell(lo, lo * (1 + width), False, {})
+        rows = [Poly.of(*(Fraction(rng.getrandbits(bits) - 2 ** (bits - 1), 7) for _ in range(3))) for _ in range(2)]
+        at_zero = sum((Poly.of(rng.choice((-1, 1))) * row for row in rows), Poly.of(0))
+        off = Poly.of(*(rng.randint(-9, 9) for _ in range(3)))
+        one = [cell.axis(p) for p in (at_zero, *rows)]
+        hull = [[cell.axis(p) for p in (at_zero + Poly.of(k) * off, *rows)] for k in (2, -3)]
+        assert not excludes_zero([one])[0] and not excludes_zero(hull)[0]
+        excluded += excludes_zero([[one[0] * Poly.of(Fraction(9, 8)), *one[1:]]])[0]
+    assert excluded > 30
 
 
 @pytest.mark.parametrize("r", [0, 1])

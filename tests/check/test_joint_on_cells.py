@@ -134,7 +134,7 @@ def test_on_a_cell_nothing_is_enclosed_twice(monkeypatch: pytest.MonkeyPatch) ->
     nominal, cell = varied(spec()), cell_of(THREE)
     for point, new in (({}, 8), ({}, 0), ({INERTIA: F(1, 10)}, 2), ({MOTOR: F(1, 80)}, 3)):
         asked.clear()
-        j = varied(spec(), point)  # type: ignore[arg-type]
+        j = varied(spec(), point)
         View(j, nominal, cell)
         assert len(asked) == new
         assert all(any(map(any, pairs)) for pairs in asked)
@@ -143,7 +143,12 @@ def test_on_a_cell_nothing_is_enclosed_twice(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_the_hold_of_a_cell_is_found_once(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[F, F]] = []
-    monkeypatch.setattr(Cell, "hold", lambda cell, *given: asked.append(given) or cell.axis(HOLD))
+
+    def hold(cell: Cell, rate: F, delay: F) -> Axis:
+        asked.append((rate, delay))
+        return cell.axis(HOLD)
+
+    monkeypatch.setattr(Cell, "hold", hold)
     j, cell = varied(spec(sampling={"rate": F(1000), "delay": F(1, 500)})), cell_of(THREE)
     for pair in ((j.E, j.rest), (ZERO, j.driven), (j.E, ZERO)):
         for form, value in zip(
@@ -156,19 +161,23 @@ def test_the_hold_of_a_cell_is_found_once(monkeypatch: pytest.MonkeyPatch) -> No
 @pytest.mark.parametrize("kind", ["dob", "dynamic-feedback"])
 def test_coefficients_are_changed_in_proportion(kind: str) -> None:
     """In Q = n/d of a disturbance observer, C = n/(d − n) follows; other parameters may change, too."""
-    changes = {GAIN: F(1, 10), FIRST: F(-1, 5)}
-    n, d = [F(2200)], [F(2500), F(283, 5), F(1)]
-    assert filtered(kind, GIVEN)["Q" if kind == "dob" else "C"] is GIVEN
-    C = {"numerator": n, "denominator": [d[0] - n[0], *d[1:]] if kind == "dob" else d}
+    n, d = (F(2200),), (F(2500), F(283, 5), F(1))
+    changed = {"type": kind, "C": {"numerator": n, "denominator": (d[0] - n[0], *d[1:]) if kind == "dob" else d}}
+    twice = {"type": kind, "Q": GIVEN, "C": {"numerator": (F(8000),), "denominator": (F(2000), F(283), F(4))}}
     for point in ({}, {MOTOR: F(1, 80)}):
-        found = VariedJoint(spec(), filtered(kind, GIVEN), point | changes)  # type: ignore[operator]
-        true = Joint(spec(), {"type": kind, "C": C}, point)
-        assert all(parts(found, name) == parts(true, name) for name in EACH)
-        same = VariedJoint(spec(), filtered(kind, GIVEN), point), Joint(spec(), filtered(kind, GIVEN), point)
-        assert all(parts(same[0], name) == parts(same[1], name) for name in EACH)
-    assert filtered("dob", {"numerator": n, "denominator": d}) == {
-        "type": "dob", "Q": {"numerator": n, "denominator": d}, "C": {"numerator": n, "denominator": C["denominator"]},
-    } or kind != "dob"  # fmt: skip
+        changes: Point = point | {GAIN: F(1, 10), FIRST: F(-1, 5)}
+        assert same(VariedJoint(spec(), filtered(kind, GIVEN), changes), Joint(spec(), changed, point))
+        assert same(VariedJoint(spec(), twice, point), Joint(spec(), twice, point))  # C as given, up to a factor
+
+
+def same(j: Joint, other: Joint) -> bool:
+    return all(parts(j, name) == parts(other, name) for name in EACH)
+
+
+def test_the_controller_that_coefficients_make() -> None:
+    Q: Json = {"numerator": [F(2), F(0)], "denominator": [F(5), F(3), F(1)]}
+    C = {"numerator": [F(2), F(0)], "denominator": [F(3), F(3), F(1)]}
+    assert filtered("dob", Q) == {"type": "dob", "Q": Q, "C": C}
     assert filtered("dynamic-feedback", C) == {"type": "dynamic-feedback", "C": C}
 
 
