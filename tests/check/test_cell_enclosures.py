@@ -248,7 +248,7 @@ def test_forms_of_short_numbers_are_exact_but_for_their_three_units(bits: Bits) 
     assert numbers(cell.form(1, value=-3)) == (0, -63, one, [-3 * one, 0, 0], 0, 3)
     assert numbers(cell.form(r=F(3, 2))) == (0, -64, 0, [0, 0, 0], 0, 3 * one + 3)
     assert numbers(cell.form(F(1, 5)))[1] == -66  # 1/5 has its leading bit three places lower than 1
-    assert numbers(cell.symbol(2)) == (0, -64, 0, [0, 0, 2 * one], 0, 3)
+    assert numbers(cell.form(0, 2, 1)) == (0, -64, 0, [0, 0, 2 * one], 0, 3)
     nothing = cell.form()
     assert not nothing and numbers(nothing)[2:] == (0, [0, 0, 0], 0, 0)
 

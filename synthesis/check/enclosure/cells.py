@@ -31,7 +31,7 @@ class Cell:
         c, d = ((hi + sign * lo) / 2 / Fraction(2) ** self.b for sign in (1, -1))
         self.taylor: dict[int, Taylor] = {0: (1 << BITS, 0, 0, 0), 1: (-_fixed(c), -_fixed(d), 0, 2)}
         if lo:  # 1/(c + d t) = 1/c − d t/c² + d² t²/c³ ∓ d³/(c³(c − d))
-            rest = _fixed(d**3 / (c**3 * (c - d))) + 20
+            rest = _fixed(d**3 / (c**3 * (c - d))) + 4  # four floors
             self.taylor[-1] = -_fixed(1 / c), _fixed(d / c**2), -_fixed(d**2 / c**3), rest
 
     def halves(self) -> list[Cell]:
@@ -49,12 +49,8 @@ class Cell:
         """`c + value t_k ± r` from rationals."""
         top = max(abs(Fraction(c)), abs(Fraction(value)), Fraction(r))
         e, values = top.numerator.bit_length() - top.denominator.bit_length() - BITS, [0] * (len(self.ranges) + 1)
-        values[k] = _fixed(value, -e) if value else 0
+        values[k] = _fixed(value, -e)
         return Form(self, 0, e, _fixed(c, -e), values, 0, _fixed(r, -e) + 3 if top else 0)
-
-    def symbol(self, k: int) -> Form:
-        """The parameter k, anywhere in [−1, 1]."""
-        return self.form(0, k, 1)
 
     def power(self, k: int) -> Form:
         """ζ^k."""
@@ -109,11 +105,11 @@ class Cell:
         top, largest = max(sized)[:2]
         m = at if at is not None else min(k for _, k, _, _ in sized) if self.ends else largest
         low, c0, c1, c2, r = top - BITS - 8, 0, 0, 0, 0
-        for _, k, a, e in sized:  # a is off by less than one, and by less than one more after the floor
+        for _, k, a, e in sized:  # a is off by δ < 1, shifted by n bits by δ/2^n + 1 − 1/2^n < 1
             a = a << e - low if e > low else a >> low - e
             z0, z1, z2, zr = self._power(k - m)
             c0, c1, c2 = c0 + a * z0, c1 + a * z1, c2 + a * z2
-            r += abs(a) * zr + 2 * (abs(z0) + abs(z1) + abs(z2) + zr)
+            r += abs(a) * zr + abs(z0) + abs(z1) + abs(z2) + zr
         return Form(self, m, low - BITS, c0, [c1] + [0] * len(self.ranges), c2, r)
 
     def omega(self) -> Form:
