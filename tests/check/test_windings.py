@@ -13,8 +13,6 @@ from time import monotonic
 from typing import Any
 
 import pytest
-from certificate_builder import data, seal, spec
-from claim_floats import Json
 
 from robimp.synthesis.check.enclosure import claims
 from robimp.synthesis.check.enclosure.cells import Cell
@@ -23,7 +21,6 @@ from robimp.synthesis.check.enclosure.forms import UnresolvedError
 from robimp.synthesis.check.enclosure.joint import VariedJoint
 from robimp.synthesis.check.outcome import FALSE, UNDECIDED, CheckError
 from robimp.synthesis.check.polynomials import ONE, ZERO, Poly
-from robimp.synthesis.check.reader import read
 
 WHOLE = Fraction(0), inf
 
@@ -171,125 +168,3 @@ def test_f_is_compared_with_one_whose_roots_are_about_as_large(
     for _ in free.c[1:]:
         reference = reference * Poly.of(Fraction(2) ** k, 1)
     assert reference in cell.cache
-
-
-PLANT: Json = {"inertia": "3/100", "damping": "1/5", "stiffness": "1"}
-BOX: Json = {"inertia": ["2/100", "4/100"], "damping": ["1/10", "3/10"], "stiffness": ["3/4", "5/4"]}
-ELASTIC: Json = {
-    "type": "series-elastic",
-    "motor_inertia": "1/100",
-    "motor_damping": "1/20",
-    "spring_stiffness": "5",
-    "torque_loop": {"kp": "10", "kd": "0", "derivative_corner": "1000", "feedforward": "0"},
-}
-NOTHING: Json = {"eq9": None, "eq12": None, "eq18": None, "peak": None, "friction": "report"}
-
-
-def prover(gain: str = "2", ideal: bool = True, **changes: Any) -> CellProver:
-    """A constant gain C: with an ideal actuator, and no hold, f = g − ĝ + (1 + C) m."""
-    s = spec(plant=PLANT, constraints=NOTHING, actuator={"type": "ideal"} if ideal else ELASTIC, **changes)
-    s["controller"]["type"] = "dynamic-feedback"
-    body: Json = {"robimp_certificate": 1, "claims": [], "assumptions": [], "not_claimed": [], "producer": {}}
-    body |= {"spec": s, "controller": {"type": "dynamic-feedback", "C": {"numerator": [gain], "denominator": ["1"]}}}
-    body["bandwidth"] = {"proven": "10", "refuted_at": None, "bound": None}
-    return CellProver(read(data(seal(body))), monotonic() + 20)
-
-
-def uncertain(box: Json = None, **actuator: list[str]) -> Json:
-    return {"box": {key: [v, v] for key, v in PLANT.items()} | (box or {}), "actuator": actuator or None}
-
-
-def desired(**changes: Any) -> Json:
-    return {"inertia": "1/50", "damping": "1/5", "stiffness": "1/2", **changes}
-
-
-# How far a box may be scaled until a coefficient of f is 0 for one joint in it, by hand; 1 + C = 3.
-WIDEST: dict[str, tuple[str, Json, Fraction]] = {
-    "damping of the load and of the impedance": (
-        "stability-free",
-        {"impedance": desired(damping=["3/20", "1/4"]), "uncertainty": uncertain({"damping": ["1/10", "3/10"]})},
-        Fraction(3, 5) / (Fraction(1, 10) + 3 * Fraction(1, 20)),
-    ),
-    "stiffness of the load and of the impedance": (
-        "stability-free",
-        {"impedance": desired(stiffness=["2/5", "3/5"]), "uncertainty": uncertain({"stiffness": ["1/2", "3/2"]})},
-        Fraction(3, 2) / (Fraction(1, 2) + 3 * Fraction(1, 10)),
-    ),
-    "inertia of the impedance": (
-        "stability-free",
-        {"impedance": desired(inertia=["1/100", "3/100"]), "uncertainty": uncertain()},
-        Fraction(2),
-    ),
-    "stiffness of the load, behind a hold": (
-        "stability-free",
-        {
-            "sampling": {"rate": "1000", "delay": "0"},
-            "impedance": desired(),
-            "uncertainty": uncertain({"stiffness": ["1/2", "3/2"]}),
-        },
-        Fraction(3, 2) / Fraction(1, 2),
-    ),
-    "damping of the motor": (
-        "stability-locked",
-        {"ideal": False, "impedance": desired(), "uncertainty": uncertain(motor_damping=["1/40", "3/40"])},
-        Fraction(2),
-    ),
-    "inertia of the motor": (
-        "stability-locked",
-        {
-            "ideal": False,
-            "impedance": desired(stiffness=["2/5", "3/5"]),
-            "uncertainty": uncertain({"damping": ["1/10", "3/10"]}, motor_inertia=["1/200", "3/200"]),
-        },
-        Fraction(2),
-    ),
-}
-
-
-@pytest.mark.parametrize("name", WIDEST)
-def test_a_box_is_shown_to_be_stable_until_one_joint_in_it_is_not(name: str) -> None:
-    claim, changes, widest = WIDEST[name]
-    joint = prover(**changes)
-    for v in (Fraction(0), Fraction(1), widest * Fraction(999, 1000)):
-        assert joint.fault((claim, "box"), v, WHOLE, True) == ""
-    with pytest.raises(CheckError, match="neither proven nor refuted") as beyond:
-        joint.fault((claim, "box"), widest * Fraction(1001, 1000), WHOLE, True)
-    assert beyond.value.code == UNDECIDED
-
-
-@pytest.mark.parametrize("sampling", [None, {"rate": "1000", "delay": "1/20"}])
-def test_a_box_around_an_unstable_joint_says_so(sampling: Json) -> None:
-    impedance = desired(damping="0", stiffness=["2/5", "3/5"])
-    joint = prover(impedance=impedance, sampling=sampling, uncertainty=uncertain())
-    said = joint.fault(("stability-free", "box"), Fraction(1), WHOLE, True)
-    nominal = "winding" if sampling else "hurwitz"
-    assert said and said == joint.fault(("stability-free", nominal), Fraction(0), WHOLE, True)
-
-
-def test_generators_are_the_middle_and_what_one_or_two_parameters_change() -> None:
-    """f = g − ĝ + (1 + C) m: every parameter, and C with every one of the impedance; loads change what no hold delays.
-
-    What changes nothing is left out, and what changes one of the two summands only is not."""
-    joint = prover(impedance=desired(), sampling={"rate": "1000", "delay": "0"}, uncertainty=uncertain())
-    ranges = {
-        ("plant", "stiffness"): (Fraction(1), Fraction(2)),
-        ("impedance", "damping"): (Fraction(1, 5), Fraction(3, 5)),
-        ("numerator", 0): (Fraction(-1, 4), Fraction(3, 4)),
-        ("actuator", "motor_inertia"): (Fraction(1), Fraction(2)),  # an ideal one has none
-    }
-    K, B, C, _ = ranges
-    found = joint.generators("stability-free", {("plant", "damping"): Fraction(2)}, ranges)  # type: ignore[arg-type]
-    gain = 2 * Fraction(5, 4)  # in the middle, with e = 1/4; half of its range is 1
-    m = Poly.of(Fraction(1, 2), Fraction(2, 5), Fraction(1, 50))
-    desired_part = Poly.of(1 + gain) * m - joint.nominal.nominal
-    assert found == {
-        (): (Poly.of(Fraction(3, 2), 2, Fraction(3, 100)), desired_part),
-        (K,): (Poly.of(Fraction(1, 2)), ZERO),
-        (B,): (ZERO, Poly.of(0, (1 + gain) * Fraction(1, 5))),
-        (C,): (ZERO, m),
-        (B, C): (ZERO, Poly.of(0, Fraction(1, 5))),
-    }
-    late = prover(impedance=desired())
-    late.deadline = monotonic() - 1
-    with pytest.raises(CheckError, match="time limit"):
-        late.generators("stability-free", {}, ranges)  # type: ignore[arg-type]
