@@ -206,6 +206,26 @@ def test_a_statement_is_searched_over_what_it_depends_on_with_its_degree(
         assert [c.key for c in cells] == [c.key for c in roots((Fraction(1), Fraction(300)), breaks, {})] and not asked
 
 
+@pytest.mark.parametrize("name", ["stability-free", "stability-locked"])
+def test_a_box_is_searched_over_the_actuator_and_everything_else_is_a_symbol(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of loads, impedances and coefficients no three are multiplied; the actuator's may be, with any two of them."""
+    asked: list[Any] = []
+    monkeypatch.setattr(claims, "cover", lambda *given: asked.append(given) or "")
+    monkeypatch.setattr(CellProver, "generators", lambda _, *said: asked.append(said) or {})
+    given = prover(ideal=False, uncertainty=LOADED, impedance=RANGED)
+    symbols: Any = {("plant", "stiffness"): (NONE, Fraction(2)), STIFFNESS: (Fraction(1, 4), Fraction(5, 4))}
+    coefficient = {("numerator", 0): (-HALF, HALF)}
+    for v in (Fraction(2), NONE):  # scaled about the nominal; 0: coefficients alone
+        given._box(name, v, coefficient)
+        _, on, _, motor, degree = asked.pop()
+        assert motor == ({SPRING: (Fraction(16, 5), Fraction(36, 5))} if v else {}) and degree == 1
+        on(Cell(Fraction(1), Fraction(2), False, {}), {SPRING: Fraction(5)})
+        varied = symbols if v and name == "stability-free" else {}
+        assert asked.pop() == (name, {SPRING: Fraction(5)}, varied | coefficient)
+
+
 # Tolerance
 
 REQUIRED: Json = {"peak": "2", "eq9": {}, "eq12": {"form": "structured", "band": ["1", "50"], "margin": "0"}}
