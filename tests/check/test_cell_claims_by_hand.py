@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import partial
+from itertools import product
 from math import isqrt
 from time import monotonic
 from typing import Any
 
 import pytest
 from claim_floats import Json
-from test_cell_claims import NONE, PLANT, RANGED, WHOLE, certificate, prover, uncertain
+from test_cell_claims import BOX, NONE, PLANT, RANGED, REQUIRED, WHOLE, certificate, prover, uncertain
 
 from robimp.synthesis.check.enclosure.cells import Cell
 from robimp.synthesis.check.enclosure.claims import CellProver
-from robimp.synthesis.check.joint import Joint, S
+from robimp.synthesis.check.joint import Joint, Point, S
 from robimp.synthesis.check.outcome import UNDECIDED, CheckError
 from robimp.synthesis.check.polynomials import ONE, ZERO, Poly
 from robimp.synthesis.check.proofs import Prover
@@ -109,14 +110,14 @@ def test_generators_are_the_middle_and_what_one_or_two_parameters_change() -> No
 
     What changes nothing is left out, and what changes one of the two summands only is not."""
     joint = prover(impedance=desired(), sampling={"rate": "1000", "delay": "0"}, uncertainty=uncertain())
-    ranges = {
+    ranges: Any = {
         ("plant", "stiffness"): (Fraction(1), Fraction(2)),
         ("impedance", "damping"): (Fraction(1, 5), Fraction(3, 5)),
         ("numerator", 0): (Fraction(-1, 4), Fraction(3, 4)),
         ("actuator", "motor_inertia"): (Fraction(1), Fraction(2)),  # an ideal one has none
     }
     K, B, C, _ = ranges
-    found = joint.generators("stability-free", {("plant", "damping"): Fraction(2)}, ranges)  # type: ignore[arg-type]
+    found = joint.generators("stability-free", {("plant", "damping"): Fraction(2)}, ranges)
     gain = 2 * Fraction(5, 4)  # in the middle, with e = 1/4; half of its range is 1
     m = Poly.of(Fraction(1, 2), Fraction(2, 5), Fraction(1, 50))
     desired_part = Poly.of(1 + gain) * m - joint.nominal.nominal
@@ -130,7 +131,7 @@ def test_generators_are_the_middle_and_what_one_or_two_parameters_change() -> No
     late = prover(impedance=desired())
     late.deadline = monotonic() - 1
     with pytest.raises(CheckError, match="time limit"):
-        late.generators("stability-free", {}, ranges)  # type: ignore[arg-type]
+        late.generators("stability-free", {}, ranges)
 
 
 # The port, and the edge of the box
@@ -166,12 +167,11 @@ def test_the_port_is_looked_at_where_the_real_part_is_silent(key: str, end: str)
     for share in (NEARLY, MORE):
         n = Fraction(PLANT[key])
         least = n - Fraction(9, 10) * n
-        impedance = {"inertia": "1/50", "damping": "1/5", "stiffness": "1/2"}
-        impedance |= {key: [str((n - least) / 3 / share), "2"]}  # type: ignore[dict-item]
+        impedance = desired(**{key: [str((n - least) / 3 / share), "2"]})
         given = prover(impedance=impedance, uncertainty=uncertain({key: [str(least), str(2 * n)]}))
-        for kind in (("eq12", "structured"), ("friction", "strictly-positive-real")):
+        for kind, above in ((("eq12", "structured"), ">="), (("friction", "strictly-positive-real"), ">")):
             said = given.fault(kind, Fraction(1, 1000), WHOLE, True)
-            assert (said == f": {end} is not finite and {'>' if kind[0] == 'friction' else '>='} 0") == (share > 1)
+            assert (said == f": {end} is not finite and {above} 0") == (share > 1)
             if share > 1:  # not for a load with more of it, nor where neither end is asked for
                 load = {"load": {k: Fraction(v) for k, v in PLANT.items()}}
                 assert end not in given.fault(kind, Fraction(1, 1000), WHOLE, True, load)
@@ -192,8 +192,8 @@ def test_a_box_may_be_at_its_worst_between_its_corners_but_not_beyond(place: Fra
     s, nominal = 1j * float(omega), g(0.03, 0.2, 1, 1j * float(omega))
     loads = [g(0.04 - 0.02 * k / 500, 0.02, 0.5 + k / 500, s) for k in range(501)]
     worst = max(abs(nominal - load) / abs(load) for load in loads)
-    desired = [g(0.02, 0.2, k, s) for k in (0.5, 0.501)]
-    margin = Fraction(min(abs(m) / abs(m - nominal / 3) for m in desired) / worst)
+    both = [g(0.02, 0.2, k, s) for k in (0.5, 0.501)]
+    margin = Fraction(min(abs(m) / abs(m - nominal / 3) for m in both) / worst)
     assert not refuses(given, ("eq9", "printed"), margin * NEARLY, (omega, omega))
     assert refuses(given, ("eq9", "printed"), margin * MORE, (omega, omega))
     for load, refused in (((3, 20, 100), False), ((4, 2, 50), False), ((2, 2, 150), place > 1)):  # beyond: at a corner
@@ -203,28 +203,23 @@ def test_a_box_may_be_at_its_worst_between_its_corners_but_not_beyond(place: Fra
 
 def test_limits_are_those_of_the_polynomials() -> None:
     """At 0 and ∞, over the nominal's function and a power of s; None: infinite."""
-    seen = set()
-    springy = uncertain({"stiffness": ["1/2", "3/2"]})
-    for ideal in (True, False):
-        given, exact = (
-            kind(certificate(ideal=ideal, uncertainty=springy), monotonic() + 20) for kind in (CellProver, Prover)
-        )
-        for far in (False, True):
-            for name in ("stability-free", "stability-locked"):
-                for point in ({}, {("impedance", "stiffness"): NONE}, {("impedance", "stiffness"): Fraction(1, 3)}):
-                    j, cell = given.joint(point), Cell(NONE, NONE, far, {})
-                    on_cell, true = given._limits_on(cell, name, j), exact._limits(name, far, exact.joint(point))
-                    for g in (j.nominal, ZERO, S, S * S * S):
-                        for power in (ONE, S, S * S):
-                            part = partial(Joint.loop, name="stability-free", g=g)
-                            value, found = true(part, power), on_cell(part, power)
-                            assert (found is None) == (value is None)
-                            if value is not None:
-                                middle = Fraction(value.c[0], value.d) if value else NONE
-                                assert found.m == 0 or not found
-                                size = Fraction(2) ** found.e
-                                assert abs(found.middle() - middle) <= found.r * size <= abs(middle) / 10**15
-                            seen.add(None if value is None else bool(value))
+    seen, uncertainty = set(), uncertain({"stiffness": ["1/2", "3/2"]})
+    names, key = ("stability-free", "stability-locked"), ("impedance", "stiffness")
+    points: list[Point] = [{}, {key: NONE}, {key: Fraction(1, 3)}]
+    for ideal, far, name, point in product((True, False), (True, False), names, points):
+        given, exact = prover(ideal=ideal, uncertainty=uncertainty), certificate(ideal=ideal, uncertainty=uncertainty)
+        on_cell = given._limits_on(Cell(NONE, NONE, far, {}), name, given.joint(point))
+        j = Prover(exact, given.deadline).joint(point)
+        true = Prover(exact, given.deadline)._limits(name, far, j)
+        for g, power in product((j.nominal, ZERO, S, S * S * S), (ONE, S, S * S)):
+            part = partial(Joint.loop, name="stability-free", g=g)
+            value, found = true(part, power), on_cell(part, power)
+            assert (found is None) == (value is None)
+            seen.add(None if value is None else bool(value))
+            if value is not None:
+                middle = Fraction(value.c[0], value.d) if value else NONE
+                assert abs(found.middle() - middle) <= found.r * Fraction(2) ** found.e <= abs(middle) / 10**15
+                assert found.m == 0 or not found
     assert seen == {None, True, False}
 
 
@@ -255,6 +250,30 @@ def test_every_joint_nearby_has_to_be_stable(name: str, gain: str) -> None:
         else:
             with pytest.raises(CheckError, match="neither"):
                 given._box(name, NONE, symbols)
+
+
+CLAIMED: list[tuple[tuple[str, str], Fraction | None, tuple[Any, ...]]] = [
+    (("peak", "sensitivity"), Fraction(3), (Fraction(2), (Fraction(3), Fraction(3)), True)),
+    (("bandwidth", "attenuation"), NONE, (NONE, (NONE, NONE), False)),
+    (("eq12", "structured"), Fraction(3), (NONE, (Fraction(3), Fraction(3)), False)),
+    (("stability-free", "hurwitz"), None, (NONE, WHOLE, True)),
+    (("stability-free", "box"), None, (Fraction(1), WHOLE, True)),
+    (("bandwidth", "attenuation"), None, (NONE, (NONE, Fraction(10)), False)),
+]
+
+
+@pytest.mark.parametrize(("kind", "omega", "asked"), CLAIMED)
+def test_a_controller_nearby_is_a_certificate_of_its_own_for_the_claim_that_it_loses(
+    kind: tuple[str, str], omega: Fraction | None, asked: tuple[Any, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given = prover(constraints=REQUIRED | {"tolerance": "1/100"}, uncertainty={"box": BOX, "weight": None})
+    rational = {"numerator": [Fraction(21, 10)], "denominator": [Fraction(1)]}
+    witness = {"claim": [*kind], "controller": rational, "omega": omega, "load": None}
+    monkeypatch.setattr(
+        CellProver, "fault", lambda prover, *said: (prover.certificate["controller"], prover.deadline, said)
+    )
+    controller = {"type": "dynamic-feedback", "C": rational}
+    assert given._perturbed(witness) == (controller, given.deadline, (kind, *asked, witness))  # type: ignore[comparison-overlap]
 
 
 def test_a_controller_nearby_is_judged_by_its_own_coefficients() -> None:
