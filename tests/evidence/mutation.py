@@ -44,7 +44,7 @@ T = TypeVar("T")
 
 
 class Reach(NamedTuple):
-    """What one test does without any change: its processor time [s], and the names of the checker's functions it enters."""
+    """What one test does without any change: its processor time [s], the names of the checker's functions it enters."""
 
     seconds: float
     places: frozenset[str]
