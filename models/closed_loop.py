@@ -14,11 +14,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from flint import fmpq
 
 from .actuator import IDEAL, TwoPort
 from .controller import Compensator, Filters
 from .impedance import DynamicStiffness, inverse_dynamic_compensation
-from .rational import S, ratio
+from .rational import S, at_infinity, ratio
 from .sampling import Closed
 
 if TYPE_CHECKING:
@@ -64,6 +65,11 @@ class ImpedanceLoop:
     def L(self, C: Compensator) -> Any:
         """Loop gain `H C F`."""
         return self.actuator.H * C.rational * self.filters.force
+
+    def well_posed(self, C: Compensator) -> bool:
+        """Whether `1 + HCF > 0` at ∞: at 0 a root is there, below it any lag, H/(1+εs), makes one at about +1/ε."""
+        end = fmpq(0) if self.actuator.hold is not None else at_infinity(self.L(C))  # a hold decays
+        return end is None or 1 + end > 0
 
     def Q_tilde(self, C: Compensator) -> Any:
         """`Q̃ = L/(1+L)`; disturbances are attenuated by `1−Q̃`. It does not depend on the load."""

@@ -11,7 +11,6 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from ..models.controller import Compensator
-from ..models.sampling import Held
 from .agreement import Agreement, compare
 from .certificate.claim import Claim
 from .certificate.claims import certify
@@ -204,7 +203,7 @@ def setting_of(spec: Spec) -> Setting:
 def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
     """The compensator of given coefficients.
 
-    Raises: InputError for Q = 1, an algebraic loop `1 + HCF(∞) = 0`, or coefficients that single precision cannot hold
+    Raises: InputError for Q = 1, an algebraic loop `1 + HCF(∞) ≤ 0`, or coefficients that single precision cannot hold
     where the tolerance asked for is its rounding.
     """
     _demand_range(setting, coefficients)
@@ -213,12 +212,10 @@ def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
         setting.loop.Q_tilde(C)
     except (ValueError, ZeroDivisionError) as error:
         raise InputError(f"controller.coefficients: {error}") from error
-    L = setting.loop.L(C)
-    if isinstance(L, Held):  # a hold decays: no algebraic loop
-        return C
-    if L.relative_degree == 0 and L.num.leading_coefficient() == -L.den.leading_coefficient():
-        message = "controller.coefficients: algebraic loop, 1 + HCF vanishes at infinite frequency"
-        raise InputError(f"{message}; lower the numerator's degree, or give controller.filters a force corner")
+    if not setting.loop.well_posed(C):
+        message = "controller.coefficients: algebraic loop, 1 + HCF is not positive at infinite frequency"
+        remedy = "lower the numerator's degree, or give controller.filters a force corner"
+        raise InputError(f"{message}: with any lag, however short, it is unstable; {remedy}")
     return C
 
 

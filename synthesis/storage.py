@@ -20,7 +20,7 @@ if sys.platform != "win32":
 def bounded_bytes(path: Path, most: int) -> bytes:
     """A file's content, or one byte more than allowed. Raises: InputError."""
     try:
-        if stat.S_ISFIFO(path.lstat().st_mode):  # a named pipe may have no other end; /dev/stdin is a link to one
+        if Path(os.path.realpath(path)).is_fifo():  # it may have no other end; a pipe of the shell has no such path
             raise InputError("file: a named pipe, not a file", Location(str(path)))
         with path.open("rb") as stream:
             return stream.read(most + 1)

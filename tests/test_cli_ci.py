@@ -90,6 +90,23 @@ def test_the_hook_is_green_and_red(repository: Path, results: Path, environment:
     assert "my joints" in red.stdout, "every certificate is judged"
 
 
+def test_the_documented_hook_is_red_when_only_the_specification_is_edited(
+    repository: Path, environment: dict[str, str]
+) -> None:
+    """pre-commit passes edited files that match `files`, and skips a hook that gets none, unless told otherwise."""
+    lines = (ROOT / ".pre-commit-hooks.yaml").read_text(encoding="utf-8").splitlines()
+    (asked,) = YAML(typ="safe").load("\n".join(line[4:] for line in lines if line.startswith("#   ")))
+    assert asked.pop("id") == HOOKS[0]["id"] and asked["always_run"] and not asked["pass_filenames"]
+    (repository / "my joints" / "elbow" / "certificate.json").rename(repository / "gripper.certificate.json")
+    spec = (repository / "elbow.yaml").read_text(encoding="utf-8")
+    for inertia, code in (("0.03 ", ExitCode.PROVEN), ("0.031 ", ExitCode.MISMATCH)):
+        (repository / "gripper.yaml").write_text(
+            spec.replace("inertia: 0.03 ", f"inertia: {inertia}"), encoding="utf-8"
+        )
+        done = shell([*shlex.split(HOOKS[0]["entry"]), *asked["args"]], repository, environment)
+        assert done.returncode == code, done.stderr
+
+
 def test_the_hook_is_red_for_another_specification(repository: Path, environment: dict[str, str]) -> None:
     spec = repository / "elbow.yaml"
     spec.write_text(spec.read_text(encoding="utf-8").replace("inertia: 0.03 ", "inertia: 0.031 "), encoding="utf-8")

@@ -140,10 +140,15 @@ def test_physics_that_contradict_each_other_are_input_errors() -> None:
 def test_an_algebraic_loop_is_an_input_error() -> None:
     ideal = GOOD[: GOOD.index("actuator:")] + "actuator: {type: ideal}\n" + GOOD[GOOD.index("impedance:") :]
     setting = setting_of(parse_spec(ideal.replace("{type: dob, order: 4}", "{type: dynamic-feedback, order: 1}")))
-    loop = Polynomials(numerator=(Fraction(-1), Fraction(3)), denominator=(Fraction(1), Fraction(2)))
-    with pytest.raises(InputError, match=r"algebraic loop"):
-        realizable(setting, loop)
-    realizable(setting, Polynomials(numerator=(Fraction(-2), Fraction(3)), denominator=(Fraction(1), Fraction(2))))
+
+    def led_by(gain: Fraction) -> Polynomials:
+        return Polynomials(numerator=(gain, Fraction(3)), denominator=(Fraction(1), Fraction(2)))
+
+    for gain in (Fraction(-1), Fraction(-101, 100), Fraction(-2)):  # 1 + HCF is 0 at infinity, and below
+        with pytest.raises(InputError, match=r"algebraic loop, 1 \+ HCF is not positive"):
+            realizable(setting, led_by(gain))
+        assert not setting.loop.well_posed(setting.compensator(led_by(gain)))
+    realizable(setting, led_by(Fraction(-99, 100)))
     with pytest.raises(InputError, match=r"controller\.coefficients"):
         realizable(setting, Polynomials(numerator=(Fraction(-1),), denominator=(Fraction(1),)))
 

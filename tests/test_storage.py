@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from robimp.synthesis.errors import InputError
-from robimp.synthesis.storage import demand_replaceable, demand_writable, discard, write_atomic
+from robimp.synthesis.storage import bounded_bytes, demand_replaceable, demand_writable, discard, write_atomic
 
 
 def names(folder: Path) -> list[str]:
@@ -32,6 +32,14 @@ def test_a_file_is_replaced_whole(tmp_path: Path) -> None:
     write_atomic(target, b"a long first content")
     write_atomic(target, b"short")
     assert target.read_bytes() == b"short"
+
+
+@pytest.mark.parametrize("place", ["pipe", "link"])
+def test_a_named_pipe_is_not_waited_for(tmp_path: Path, place: str) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "link").symlink_to("pipe")
+    with pytest.raises(InputError, match="a named pipe, not a file"):
+        bounded_bytes(tmp_path / place, 10)
 
 
 def test_a_link_stays_a_link_and_its_file_is_written(tmp_path: Path) -> None:

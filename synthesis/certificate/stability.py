@@ -27,14 +27,14 @@ def prove_stability(setting: Setting, C: Compensator) -> Iterator[Claim]:
     """Nominal stability free (zeros of Z) and against a rigid wall (zeros of 1+HCF), with the decay rate."""
     loop = setting.loop
     yield _stability("free", loop.free(loop.nominal)(C))
-    yield _stability("locked", loop.locked()(C))
+    yield _stability("locked", loop.locked()(C), loop.well_posed(C))
 
 
-def _stability(end: str, p: fmpq_poly) -> Claim:
+def _stability(end: str, p: fmpq_poly, well_posed: bool = True) -> Claim:
     equation, what = MODES[end]
     rate = decay_rate(p)
     levels = [short(rate * (1 - tightness), up=False) for tightness in TIGHTNESS] if rate > 0 else []
-    proven = next((v for v in [*levels, Fraction(0)] if is_hurwitz(p, exact(v))), None)
+    proven = next((v for v in [*levels, Fraction(0)] if well_posed and is_hurwitz(p, exact(v))), None)
     refuted = None
     if proven is not None:
         beyond = (short(rate * (1 + tightness), up=True) for tightness in TIGHTNESS)

@@ -167,6 +167,7 @@ def validate(certificate: Section, deadline: float) -> None:
     zeros, least, most, integral = FORMS.get(asked["form"], (len(n.c), 0, len(d.c), False))
     fits = len(n.c) - 1 <= zeros and least <= len(d.c) - 1 <= most and (not integral or d.c[0] == 0)
     demand(fits, f"{place}: is not of the form {asked['form']}", MISMATCH)
+    demand(len(C[0].c) <= len(C[1].c), "controller.C: must be proper")
 
 
 def _monic(p: tuple[Poly, Poly]) -> tuple[Poly, Poly]:

@@ -11,7 +11,7 @@ from typing import Any
 
 from .joint import Joint, Point, ranges, stiffness
 from .outcome import CheckError
-from .polynomials import Poly, X, decays_faster, limit, norm2, on_axis, product
+from .polynomials import ONE, Poly, X, decays_faster, limit, norm2, on_axis, product
 from .positivity import Inequality, counterexample, one_is_positive, square
 from .requirements import ALL, PLACES, SIGNED, WHOLE, Kind
 from .statements import EDGE, STATEMENTS, Limit, port_ends
@@ -99,8 +99,8 @@ class Prover:
         f = add(*j.loop(name))
         if not decays_faster(f, v, self.deadline):
             return ": a root does not decay at the stated rate"
-        lost = name == "stability-locked" and len(f.c) < len(j.E.c)  # a lost degree is a root at infinity
-        return ": 1 + HCF vanishes at infinity" if lost else ""
+        end = limit(f, j.E, far=True) if name == "stability-locked" else ONE  # 1 + HCF; where it is not finite: H C F
+        return ": 1 + HCF is not positive at infinity" if end is not None and not (end and end.c[0] > 0) else ""
 
     def _along(self, kind: Kind, v: Fraction, interval: Any, point: Point) -> bool:
         """Whether `vW|a| < |b|` is shown for loads on the edge, too: a quadratic in the place t on it, with ends > 0,

@@ -4,8 +4,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context, Decimal
+from os.path import realpath
 from pathlib import Path
-from stat import S_ISFIFO
 from typing import Any
 
 from .joint import validate
@@ -42,7 +42,7 @@ class Verdict:
 def check_file(path: str | Path, *, time_limit: float = 60.0) -> Verdict:
     """Re-prove the certificate in a file; `time_limit` in seconds."""
     try:
-        if S_ISFIFO(Path(path).lstat().st_mode):  # it may have no other end
+        if Path(realpath(path)).is_fifo():  # it may have no other end; a pipe of the shell has no such path
             return Verdict(UNREADABLE, "file: a named pipe, not a file")
         with Path(path).open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)

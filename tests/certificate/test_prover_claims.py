@@ -20,6 +20,7 @@ from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.certificate.prover import Prover, Subject
 from robimp.synthesis.certificate.stability import prove_stability
 from robimp.synthesis.problem.constraints import constraints
+from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.spec.model import Polynomials, Spec
 
 PROVEN, REFUTED, UNDECIDED = Outcome.PROVEN, Outcome.REFUTED, Outcome.UNDECIDED
@@ -371,6 +372,15 @@ def test_decide_is_monotone_between_margin_and_twin():
         constraint = replace(constraint, band=claim.interval)
         assert prover.decide(constraint, claim.margin) is PROVEN
         assert prover.decide(constraint, claim.refuted_at.value) is not PROVEN
+
+
+def test_a_loop_that_any_lag_makes_unstable_is_not_stable():
+    """Ideal actuator, C = −3/4, −3: 1 + HCF is 1/4, and −2: no root, but H/(1 + εs) has one at 2/ε."""
+    setting = Setting.of(spec(actuator={"type": "ideal"}, controller={"type": "dynamic-feedback", "order": 1}))
+    for gain, expected in (("-3/4", PROVEN), ("-3", REFUTED)):
+        C = setting.compensator(Polynomials(numerator=(Fraction(gain),), denominator=(Fraction(1),)))
+        *_, locked = prove_stability(setting, C)
+        assert (locked.id, locked.status) == ("stability-locked", expected)
 
 
 def test_stability_margins_are_routh_sandwiches():

@@ -7,6 +7,7 @@ import copy
 import math
 import random
 from fractions import Fraction
+from math import inf
 from pathlib import Path
 from time import monotonic
 
@@ -32,6 +33,7 @@ from claim_floats import Joint, Json, num
 from robimp.synthesis.check import check_bytes
 from robimp.synthesis.check.enclosure import claims
 from robimp.synthesis.check.enclosure.claims import CellProver
+from robimp.synthesis.check.outcome import CheckError
 from robimp.synthesis.check.reader import read
 
 SAMPLED: Json = {"sampling": {"rate": "1000", "delay": "1/1000"}}
@@ -463,7 +465,7 @@ def test_required_new_claims_that_are_missing_are_6() -> None:
 
 
 def test_what_the_hold_decides_at_infinity_is_not_proven() -> None:
-    """An ideal actuator and C that grows like s²: a delayed term as fast as the undelayed one, or faster."""
+    """An ideal actuator and C that grows like s²: a delayed term faster than the undelayed one; no C is let in that does."""
     C = {"numerator": ["1/100", "1", "2000"], "denominator": ["500"]}
     s = spec(constraints=LIMITS, actuator={"type": "ideal"}, controller={"type": "dynamic-feedback"}, **SAMPLED)
     cert = certificate(
@@ -472,8 +474,10 @@ def test_what_the_hold_decides_at_infinity_is_not_proven() -> None:
     cert["spec"], cert["controller"]["C"] = s, C
     for end in ("free", "locked"):
         find(cert, f"stability-{end}").update(form="winding", margin="0")
-    said = {(k, f): message for k, f, _, message in check_bytes(data(seal(cert))).claims}
-    assert "depends on the hold" in said["stability-locked", "winding"]
+    assert check_bytes(data(seal(cert))).message == "controller.C: must be proper"
+    prover = CellProver(read(data(seal(cert))), monotonic() + 30)
+    with pytest.raises(CheckError, match="depends on the hold"):
+        prover.fault(("stability-locked", "winding"), Fraction(0), (Fraction(0), inf), True)
 
 
 def test_time_limits() -> None:

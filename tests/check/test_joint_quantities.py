@@ -356,6 +356,9 @@ CONTROLLERS: dict[str, tuple[Json, Json, int, str]] = {  # the one of the certif
     "of the order asked": (feedback(["2"], ["1", "3"]), {"order": 1}, 0, ""),
     "below the order asked": (feedback(["2"], ["1"]), {"order": 1}, 0, ""),
     "above the order asked": (feedback(["2"], ["1", "3"]), {"order": 0}, 6, "controller.C: is above the specification's order"),
+    "C as fast as its denominator": (feedback(["2", "1"], ["1", "3"]), None, 0, ""),
+    "C that is not proper": (feedback(["1", "2"], ["3"]), {"form": "lead-lag"}, 2, "controller.C: must be proper"),
+    "Q(∞) = 1": (observer((["2", "1"], ["2", "3"]), (["2", "1"], ["2"])), None, 2, "controller.C: must be proper"),
     "zeros above the order asked": (feedback(["1", "1", "2"], ["1", "3"]), {"order": 1}, 6, "controller.C: is above the specification's order"),
     "Q above the order asked": (observer(LAG, (["4"], ["1", "1"])), {"order": 0}, 6, "controller.Q: is above the specification's order"),
 }  # fmt: skip

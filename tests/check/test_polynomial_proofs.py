@@ -71,7 +71,11 @@ SLOW = ": a root does not decay at the stated rate"
         (LOCKED, "2 / 1 1", "1 3 2", "299/100", ""),  # s + 1 + 2
         (LOCKED, "2 / 1 1", "1 3 2", "3", SLOW),
         (LOCKED, "1", "1 3 2", "3", ""),  # no root
-        (LOCKED, "-1 5 / 1 1", "1 3 2", "0", ": 1 + HCF vanishes at infinity"),
+        (LOCKED, "-1 5 / 1 1", "1 3 2", "0", ": 1 + HCF is not positive at infinity"),
+        (LOCKED, "-99/100 5 / 1 1", "1 3 2", "0", ""),
+        (LOCKED, "-3", "1 3 2", "0", ": 1 + HCF is not positive at infinity"),  # −2, no root; with a lag at +2/ε
+        (LOCKED, "-3 -3 / 1 1/2", "1 3 2", "0", ": 1 + HCF is not positive at infinity"),  # −2 (s + 5/4)
+        (LOCKED, "1 1 1 / 1 1", "1 3 2", "0", ""),  # infinite: s² + 2 s + 2
         (FREE, "-1 5 / 1 1", "0 0 1", "0", ""),
         (FREE, "1", "1 0 1", "0", SLOW),
     ],

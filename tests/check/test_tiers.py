@@ -140,6 +140,19 @@ def test_a_tolerance_of_many_coefficients_keeps_to_its_time() -> None:
         prover.generators("stability-free", {}, symbols)
 
 
+def test_no_more_than_64_ranges_are_paired() -> None:
+    """Each pair is kept as a polynomial, so what they fill would be as large as the certificate says."""
+    prover = CellProver(read((ROOT / "tests/data/golden/sampled-range.json").read_bytes()), monotonic() + 60)
+    symbols = {("denominator", k): (Fraction(-1), Fraction(1)) for k in range(65)}
+    with pytest.raises(CheckError, match="too many ranges at once") as stop:
+        prover.generators("stability-free", {}, symbols)
+    assert stop.value.code == 5
+    del symbols["denominator", 64]
+    prover.deadline = monotonic() - 1
+    with pytest.raises(CheckError, match="time limit"):
+        prover.generators("stability-free", {}, symbols)
+
+
 def test_a_limit_is_that_of_the_leading_coefficients() -> None:
     p, q = Poly.of(0, 3, 1, 2), Poly.of(0, 4, 5)
     assert limit(p, q, far=False) == Poly.of(Fraction(3, 4)) and limit(p, q, far=True) is None

@@ -284,10 +284,20 @@ def test_a_file_of_four_million_bytes_and_one_more(tmp_path: Path) -> None:
 
 def test_what_is_no_file_is_2(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
-    assert check_file(tmp_path / "pipe") == Verdict(2, "file: a named pipe, not a file")
+    (tmp_path / "link").symlink_to("pipe")
+    for place in ("pipe", "link"):  # opening one waits for somebody who writes
+        assert check_file(tmp_path / place) == Verdict(2, "file: a named pipe, not a file")
     assert check_file(tmp_path / "none") == Verdict(2, "file: cannot be read: No such file or directory")
     assert check_file(tmp_path) == Verdict(2, "file: cannot be read: Is a directory")
     assert check_file("a\0b").message.startswith("file: cannot be read: ")
+
+
+def test_a_pipe_of_the_shell_is_read(files: dict[str, str]) -> None:
+    reading, writing = os.pipe()
+    os.write(writing, Path(files["good"]).read_bytes())
+    os.close(writing)
+    assert check_file(f"/dev/fd/{reading}").exit_code == 0
+    os.close(reading)
 
 
 def test_the_time_of_a_file_is_limited_too(files: dict[str, str]) -> None:

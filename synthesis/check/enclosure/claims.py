@@ -22,6 +22,7 @@ from .joint import PLACE, VariedJoint, View, filtered, square_on
 from .search import cover
 
 VIEWS = 4096  # joints on a cell that are kept for the next claim
+PAIRED = 64  # ranges of which all pairs are formed
 
 
 class CellProver(Prover):
@@ -164,6 +165,7 @@ class CellProver(Prover):
     def generators(self, name: str, there: Point, ranges: Ranges) -> dict[Any, tuple[Poly, Poly]]:
         """The characteristic function at the middle of ranges, and what one parameter, or two at once, change by half
         of theirs: no three of loads, impedances and coefficients are multiplied."""
+        demand(len(ranges) <= PAIRED, "too many ranges at once", UNDECIDED)
         found: dict[Any, tuple[Poly, Poly]] = {}
         for up in [(), *combinations(ranges, 1), *combinations(ranges, 2)]:
             tick(self.deadline)
