@@ -7,9 +7,10 @@ import copy
 import importlib
 import sys
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import EnumMeta
+from functools import partial
 from pathlib import Path
 from types import FunctionType, ModuleType
 
@@ -44,14 +45,18 @@ KEPT = {"strict", "frozen", "slots"}  # keywords of zip and dataclass: no behavi
 
 @dataclass(frozen=True)
 class Mutant:
-    """One change: the file, the function, the line as it was, what was done, and the whole new source."""
+    """One change: the file, the function, the line as it was, what was done, and what writes the whole new source."""
 
     file: str
     line: int
     place: str
     text: str
     change: str
-    source: str = field(repr=False)
+    write: Callable[[], str] = field(repr=False)
+
+    @property
+    def source(self) -> str:
+        return self.write()
 
     @property
     def key(self) -> str:
@@ -118,14 +123,20 @@ def _mutants(file: Path, folder: Path | None) -> Iterator[Mutant]:
                 hidden = hidden or (name == "returns") or isinstance(child, ast.JoinedStr)
                 if hasattr(child, "lineno") and not hidden:
                     for change, new in _edits(child):
-                        _put(node, name, value, k, new)
-                        text = ast.unparse(ast.fix_missing_locations(tree))
-                        _put(node, name, value, k, child)
-                        yield Mutant(name_of_file, child.lineno, place, lines[child.lineno - 1].strip(), change, text)
+                        write = partial(_unparsed, tree, partial(_put, node, name, value, k), new, child)
+                        yield Mutant(name_of_file, child.lineno, place, lines[child.lineno - 1].strip(), change, write)
                 inner = child.name if isinstance(child, ast.FunctionDef | ast.ClassDef) else place
                 yield from visit(child, inner, hidden)
 
     yield from visit(tree, "module", False)
+
+
+def _unparsed(tree: ast.Module, put: Callable[[ast.AST | None], None], new: ast.AST | None, old: ast.AST) -> str:
+    put(new)
+    try:
+        return ast.unparse(ast.fix_missing_locations(tree))
+    finally:
+        put(old)
 
 
 def _put(node: ast.AST, name: str, value: object, k: int, new: ast.AST | None) -> None:
