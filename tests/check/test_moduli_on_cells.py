@@ -7,29 +7,16 @@ from fractions import Fraction
 from itertools import product
 
 import pytest
+from test_comparison_on_cells import POINT, Said, form, inequality
+from test_parameters_on_cells import NO, OPEN, YES
 
 from robimp.synthesis.check.enclosure import search
-from robimp.synthesis.check.enclosure.cells import Cell
 from robimp.synthesis.check.enclosure.forms import Form
 from robimp.synthesis.check.enclosure.search import compare
 from robimp.synthesis.check.polynomials import Poly
 from robimp.synthesis.check.positivity import Inequality
 
-POINT = Cell(Fraction(1), Fraction(1), False, {})
-Said = tuple[int, list[int]]
-YES: Said = (1, [])
-NO: Said = (-1, [])
-OPEN: Said = (0, [])
 EPS = Fraction(1, 10**12)
-
-
-def form(c: int, r: int = 0) -> Form:
-    return Form(POINT, 0, 0, c, [0], 0, r)
-
-
-def inequality(terms: Sequence[int | Form], bound: int | Form, strict: bool = True) -> Inequality:
-    *forms, last = (v if isinstance(v, Form) else form(v) for v in (*terms, bound))
-    return Inequality(forms, last, strict)
 
 
 def moduli(rows: Sequence[tuple[int, ...]], bound: Callable[..., Fraction | int], degree: int, n: int) -> Said:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
 from fractions import Fraction
 from itertools import product
-from math import comb, prod
+from math import prod
 from time import monotonic
 from typing import Any
 
 import pytest
+from test_comparison_on_cells import NEAR, POINT, WIDE, Said, Value, form, grid, inequality
 
 from robimp.synthesis.check.enclosure import search
 from robimp.synthesis.check.enclosure.cells import Cell
@@ -19,36 +19,9 @@ from robimp.synthesis.check.enclosure.search import compare, cover
 from robimp.synthesis.check.polynomials import ZERO, Poly
 from robimp.synthesis.check.positivity import Inequality
 
-POINT = Cell(Fraction(1), Fraction(1), False, {})  # ζ = −1
-NEAR = Cell(Fraction(0), Fraction(1, 64), False, {})  # ζ in [−1, 0]
-WIDE = Cell(Fraction(1), Fraction(4), False, {})  # ζ in [−1, −1/4]
-Said = tuple[int, list[int]]
-Value = int | Form
 OPEN: Said = (0, [])
 YES: Said = (1, [])
 NO: Said = (-1, [])
-
-
-def form(c: int, r: int = 0, l: int = 0, m: int = 0, cell: Cell = POINT) -> Form:  # noqa: E741
-    """`ζ^m (c + l t ± r)`."""
-    return Form(cell, m, 0, c, [l], 0, r)
-
-
-def inequality(terms: Sequence[Value], bound: Value, strict: bool = True, over: Any = ZERO) -> Inequality:
-    *forms, last = (v if isinstance(v, Form) else form(v) for v in (*terms, bound))
-    return Inequality(forms, last, strict, over)
-
-
-def grid(coefficients: Sequence[int], degree: int, n: int) -> list[int]:
-    """Values on the grid, times degree^(degree n), of the polynomial with these Bernstein coefficients."""
-
-    def basis(k: int, i: int) -> int:  # at i/degree
-        return comb(degree, k) * int(i**k * (degree - i) ** (degree - k))
-
-    digits = list(product(range(degree + 1), repeat=n))
-    return [
-        sum(c * prod(map(basis, place, at)) for c, place in zip(coefficients, digits, strict=True)) for at in digits
-    ]
 
 
 # At the ends the smallest power of ζ decides.
