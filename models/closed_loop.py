@@ -14,7 +14,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import fmpq
 
 from .actuator import IDEAL, TwoPort
 from .controller import Compensator, Filters
@@ -66,10 +65,18 @@ class ImpedanceLoop:
         """Loop gain `H C F`."""
         return self.actuator.H * C.rational * self.filters.force
 
-    def well_posed(self, C: Compensator) -> bool:
-        """Whether `1 + HCF > 0` at ∞: at 0 a root is there, below it any lag, H/(1+εs), makes one at about +1/ε."""
-        end = fmpq(0) if self.actuator.hold is not None else at_infinity(self.L(C))  # a hold decays
-        return end is None or 1 + end > 0
+    def return_difference(self, C: Compensator, end: str) -> Any:
+        """`1 + HCF` against a wall ("locked"), `1 + HA/(Ĝ⁻¹ + Z_a)` in free motion, A what τ_d answers to −θ."""
+        if end == "locked":
+            return 1 + self.L(C)
+        return (self.Z0(self.nominal) + self.L(C) * self.G_imp) / (self.nominal.rational + self.actuator.Z_a)
+
+    def well_posed(self, C: Compensator, end: str) -> bool:
+        """Whether it is > 0 at ∞: at 0 a root is there, below it any lag, H/(1+εs), makes one at about +1/ε."""
+        if self.actuator.hold is not None:  # it decays
+            return True
+        limit = at_infinity(self.return_difference(C, end))
+        return limit is None or limit > 0
 
     def Q_tilde(self, C: Compensator) -> Any:
         """`Q̃ = L/(1+L)`; disturbances are attenuated by `1−Q̃`. It does not depend on the load."""

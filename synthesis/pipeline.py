@@ -36,6 +36,13 @@ if TYPE_CHECKING:
 
 FLOAT_DECADES = 1e9  # ratio of frequencies beyond which poles in floating point mean little
 SMALLEST, LARGEST = Fraction(1, 2**126), (2 - Fraction(1, 2**23)) * 2**127  # normal numbers of single precision
+NOT_WELL_POSED = {  # at each end: what, and what to do
+    "locked": ("1 + HCF is", "lower the numerator's degree, or give controller.filters a force corner"),
+    "free": (
+        "in free motion 1 + HA/(1/Ĝ + Z_a), A = CF G_imp − F_d (1/Ĝ − G_imp), is",
+        "let H, or C and F_d, decay: a denominator of higher degree, corners in controller.filters",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -203,8 +210,8 @@ def setting_of(spec: Spec) -> Setting:
 def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
     """The compensator of given coefficients.
 
-    Raises: InputError for Q = 1, an algebraic loop `1 + HCF(∞) ≤ 0`, or coefficients that single precision cannot hold
-    where the tolerance asked for is its rounding.
+    Raises: InputError for Q = 1, a loop that is not well-posed free or locked, or coefficients that single precision
+    cannot hold where the tolerance asked for is its rounding.
     """
     _demand_range(setting, coefficients)
     try:
@@ -212,10 +219,10 @@ def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
         setting.loop.Q_tilde(C)
     except (ValueError, ZeroDivisionError) as error:
         raise InputError(f"controller.coefficients: {error}") from error
-    if not setting.loop.well_posed(C):
-        message = "controller.coefficients: algebraic loop, 1 + HCF is not positive at infinite frequency"
-        remedy = "lower the numerator's degree, or give controller.filters a force corner"
-        raise InputError(f"{message}: with any lag, however short, it is unstable; {remedy}")
+    for end, (fault, remedy) in NOT_WELL_POSED.items():
+        if not setting.loop.well_posed(C, end):
+            message = f"controller.coefficients: algebraic loop, {fault} not positive at infinite frequency"
+            raise InputError(f"{message}: with any lag, however short, it is unstable; {remedy}")
     return C
 
 

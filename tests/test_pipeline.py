@@ -147,8 +147,13 @@ def test_an_algebraic_loop_is_an_input_error() -> None:
     for gain in (Fraction(-1), Fraction(-101, 100), Fraction(-2)):  # 1 + HCF is 0 at infinity, and below
         with pytest.raises(InputError, match=r"algebraic loop, 1 \+ HCF is not positive"):
             realizable(setting, led_by(gain))
-        assert not setting.loop.well_posed(setting.compensator(led_by(gain)))
     realizable(setting, led_by(Fraction(-99, 100)))
+    port = (
+        "{type: two-port, transfer: {numerator: [2], denominator: [1]}, impedance: {numerator: [0], denominator: [1]}}"
+    )
+    strong = setting_of(parse_spec(ideal.replace("{type: ideal}", port).replace("inertia: nominal", "inertia: 0.001")))
+    with pytest.raises(InputError, match=r"algebraic loop, in free motion 1 \+ HA/.*F_d, decay"):
+        realizable(strong, Polynomials(numerator=(Fraction(5),), denominator=(Fraction(1), Fraction(10))))
     with pytest.raises(InputError, match=r"controller\.coefficients"):
         realizable(setting, Polynomials(numerator=(Fraction(-1),), denominator=(Fraction(1),)))
 

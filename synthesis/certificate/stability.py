@@ -26,11 +26,11 @@ MODES = {  # equation and meaning of the characteristic function at each end
 def prove_stability(setting: Setting, C: Compensator) -> Iterator[Claim]:
     """Nominal stability free (zeros of Z) and against a rigid wall (zeros of 1+HCF), with the decay rate."""
     loop = setting.loop
-    yield _stability("free", loop.free(loop.nominal)(C))
-    yield _stability("locked", loop.locked()(C), loop.well_posed(C))
+    for end, pencil in (("free", loop.free(loop.nominal)), ("locked", loop.locked())):
+        yield _stability(end, pencil(C), loop.well_posed(C, end))
 
 
-def _stability(end: str, p: fmpq_poly, well_posed: bool = True) -> Claim:
+def _stability(end: str, p: fmpq_poly, well_posed: bool) -> Claim:
     equation, what = MODES[end]
     rate = decay_rate(p)
     levels = [short(rate * (1 - tightness), up=False) for tightness in TIGHTNESS] if rate > 0 else []

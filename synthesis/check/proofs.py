@@ -11,7 +11,7 @@ from typing import Any
 
 from .joint import Joint, Point, ranges, stiffness
 from .outcome import CheckError
-from .polynomials import ONE, Poly, X, decays_faster, limit, norm2, on_axis, product
+from .polynomials import Poly, X, decays_faster, limit, norm2, on_axis, product
 from .positivity import Inequality, counterexample, one_is_positive, square
 from .requirements import ALL, PLACES, SIGNED, WHOLE, Kind
 from .statements import EDGE, STATEMENTS, Limit, port_ends
@@ -96,11 +96,12 @@ class Prover:
     def _unstable(self, name: str, v: Fraction, point: Point) -> str:
         """Why the roots at one point are not all at Re s < −v; empty if they are."""
         j = self.joint(point)
-        f = add(*j.loop(name))
+        undelayed, delayed = j.loop(name)
+        f = undelayed + delayed
         if not decays_faster(f, v, self.deadline):
             return ": a root does not decay at the stated rate"
-        end = limit(f, j.E, far=True) if name == "stability-locked" else ONE  # 1 + HCF; where it is not finite: H C F
-        return ": 1 + HCF is not positive at infinity" if end is not None and not (end and end.c[0] > 0) else ""
+        end = limit(f, undelayed, far=True)  # 1 + HCF, or 1 + HA/(g + Z_a)
+        return ": a lag, however short, makes it unstable" if end is not None and not (end and end.c[0] > 0) else ""
 
     def _along(self, kind: Kind, v: Fraction, interval: Any, point: Point) -> bool:
         """Whether `vW|a| < |b|` is shown for loads on the edge, too: a quadratic in the place t on it, with ends > 0,

@@ -23,7 +23,7 @@ from robimp.synthesis.certificate.enclosure.claims import prove_constraints
 from robimp.synthesis.certificate.enclosure.exclusion import crossing, excluded, plane
 from robimp.synthesis.certificate.enclosure.joint import Family, JointOnCells, family_of
 from robimp.synthesis.certificate.enclosure.prover import CellProver
-from robimp.synthesis.certificate.enclosure.tolerance import Weakest, weakest
+from robimp.synthesis.certificate.enclosure.tolerance import Weakest, holds, levels, weakest
 from robimp.synthesis.certificate.enclosure.winding import turns
 from robimp.synthesis.certificate.hurwitz import is_hurwitz
 from robimp.synthesis.certificate.outcome import Outcome
@@ -413,6 +413,17 @@ def test_the_twin_of_the_tolerance_names_a_controller_that_fails() -> None:
     banded = replace(constraint, band=(Fraction(0), end)) if constraint.on_band else constraint
     at = Evaluator(setting, np.array([float(witness.omega or 0)]))
     assert at.worst(banded, float(constraint.level or 0), X)[0] < 0
+
+
+def test_a_tolerance_ends_before_a_compensator_is_improper() -> None:
+    """Q = (.9 s + 9)/(s + 10): the first coefficient of d_Q − n_Q may be 0 for |e| ≥ (1 − .9)/(1 + .9)."""
+    setting, C = subject(extended(tolerance=Fraction(1, 100)), rational([Fraction(9, 10), 9], [1, 10]))
+    limit, family = Fraction(1, 19), family_of(setting, C)
+    assert family.proper_within == limit
+    assert next(levels(family, None, None)) == pytest.approx(Fraction("0.998") * limit, rel=1e-5)
+    single = replace(family, setting=replace(setting, uncertainty=replace(setting.uncertainty, box=None)))
+    assert holds(single, [], limit * Fraction(99, 100)) and not holds(single, [], limit)
+    assert family_of(setting, subject(setting.spec, Q)[1]).proper_within == 1
 
 
 def test_a_search_is_told_where_a_tolerance_fails() -> None:

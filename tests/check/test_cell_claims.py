@@ -128,7 +128,7 @@ WAYS: list[tuple[tuple[str, str], Json, tuple[Any, ...]]] = [
     (("tolerance", "coefficients"), WITNESS, ("_perturbed", WITNESS)),
     (("stability-free", "box"), None, ("_box", "stability-free", HALF, {})),
     (("stability-locked", "box"), None, ("_box", "stability-locked", HALF, {})),
-    (("stability-free", "box"), WITNESS, ("_unstable", "stability-free", NONE, AT)),
+    (("stability-free", "box"), WITNESS, ("_unstable", "stability-free", HALF, AT)),
     (("stability-locked", "winding"), None, ("_unstable", "stability-locked", HALF, {})),
     (("peak", "sensitivity"), None, ("_on_cells", ("peak", "sensitivity"), HALF, BAND, True, None, {}, {})),
     (("peak", "sensitivity"), WITNESS, ("_on_cells", ("peak", "sensitivity"), HALF, BAND, True, LOAD, AT, {})),

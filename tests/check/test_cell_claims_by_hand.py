@@ -252,6 +252,33 @@ def test_every_joint_nearby_has_to_be_stable(name: str, gain: str) -> None:
                 given._box(name, NONE, symbols)
 
 
+def test_the_compensator_of_every_controller_nearby_has_to_be_proper() -> None:
+    """d_Q − n_Q = (1 + e)(s + 10) − (1 + e')(.9 s + 8): its first coefficient may be 0 for |e| ≥ (1 − .9)/(1 + .9)."""
+    Q = {"numerator": [Fraction(8), Fraction(9, 10)], "denominator": [Fraction(10), Fraction(1)]}  # from s⁰ upwards
+    C = {"numerator": Q["numerator"], "denominator": [Fraction(2), Fraction(1, 10)]}
+    given = prover(constraints={"tolerance": "1/100"})
+    improper = ": C is not proper for all of them"
+
+    def said(controller: Json, v: Fraction) -> str:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(given, "asked", {})  # nothing else is required
+            patch.setattr(given, "certificate", given.certificate | {"controller": controller})
+            return given._tolerance(v)
+
+    for v, text in ((Fraction(1, 19), improper), (Fraction(1, 19) * NEARLY, ""), (Fraction(1, 2), improper)):
+        assert said({"type": "dob", "Q": Q, "C": C}, v) == text
+        assert said({"type": "dob", "Q": {part: [-c for c in Q[part]] for part in Q}, "C": C}, v) == text
+    for controller in (
+        {"type": "dob", "Q": Q | {"numerator": [Fraction(8)]}, "C": C},  # with Q(∞) = 0 not before e = −1
+        {"type": "dynamic-feedback", "C": Q},
+    ):
+        assert said(controller, Fraction(99, 100)) == "" and said(controller, Fraction(1)) == improper
+    thirds = {"numerator": [Fraction(8), Fraction(9, 10)], "denominator": [Fraction(10), Fraction(1, 3)]}
+    limit = (Fraction(9, 10) - Fraction(1, 3)) / (Fraction(9, 10) + Fraction(1, 3))  # from the other side
+    assert said({"type": "dob", "Q": thirds, "C": C}, limit) == improper
+    assert said({"type": "dob", "Q": thirds, "C": C}, limit * NEARLY) == ""
+
+
 CLAIMED: list[tuple[tuple[str, str], Fraction | None, tuple[Any, ...]]] = [
     (("peak", "sensitivity"), Fraction(3), (Fraction(2), (Fraction(3), Fraction(3)), True)),
     (("bandwidth", "attenuation"), NONE, (NONE, (NONE, NONE), False)),

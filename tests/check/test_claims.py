@@ -199,7 +199,39 @@ def test_a_loop_that_is_not_well_posed_is_not_stable() -> None:
     for C, expected in ((["-1", "2000"], True), (["-99/100", "2000"], False), (["-3", "-2000"], True)):
         cert["controller"]["C"] = {"numerator": C, "denominator": ["1", "500"]}
         message = {kind: said for kind, _, _, said in check_bytes(data(seal(cert))).claims}["stability-locked"]
-        assert ("not positive at infinity" in message) == expected
+        assert ("a lag, however short" in message) == expected
+
+
+@pytest.mark.parametrize(
+    ("transfer", "C", "expected"),
+    [  # for ω → ∞ 1 + HA/(g + Z_a) is 1 + H (C m/ĝ − (1 − m/ĝ)), m/ĝ = 1/10: for H = 2 it is (C − 4)/5
+        ("2", "0", "a lag, however short"),
+        ("2", "399/100", "a lag, however short"),
+        ("2", "4", "a lag, however short"),
+        ("2", "401/100", "a root does not decay"),
+        ("1", "0", "proven"),
+    ],
+)
+def test_in_free_motion_too(transfer: str, C: str, expected: str) -> None:
+    """N = (s + 5)(ĝ − H (ĝ − m)) + H (C s + 5) m: below 4 all its coefficients are negative for H = 2."""
+    s = spec(
+        constraints=NOTHING,
+        plant={"inertia": "1/20", "damping": "3/10", "stiffness": "1"},
+        uncertainty={"box": {"inertia": ["1/20", "1/20"], "damping": ["3/10", "3/10"], "stiffness": ["1", "1"]}},
+        impedance={"inertia": "1/200", "damping": "1/50", "stiffness": "1/50"},
+        actuator={
+            "type": "two-port",
+            "transfer": {"numerator": [transfer], "denominator": ["1"]},
+            "impedance": {"numerator": ["0"], "denominator": ["1"]},
+        },
+        controller={"type": "dynamic-feedback"},
+        objective={"attenuation": "1/2"},
+    )
+    cert = certificate(s, {"type": "dynamic-feedback", "C": {"numerator": ["5"], "denominator": ["1", "5"]}})
+    cert["controller"]["C"]["numerator"] = [C, "5"]
+    said = {(kind, form): said for kind, form, _, said in check_bytes(data(seal(cert))).claims}
+    assert expected in said["stability-free", "hurwitz"]
+    assert "a lag" not in said["stability-locked", "hurwitz"]
 
 
 def test_the_reference_controller_is_proven_with_the_known_bandwidth() -> None:

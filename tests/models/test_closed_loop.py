@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 
@@ -14,7 +15,7 @@ from random_joints import Draw, Joint
 
 from robimp.models.actuator import IDEAL, SeriesElastic, TwoPort, torque_loop
 from robimp.models.closed_loop import ImpedanceLoop
-from robimp.models.controller import Compensator, dynamic_error_feedback, inverse_dynamics
+from robimp.models.controller import Compensator, Filters, dynamic_error_feedback, inverse_dynamics, low_pass
 from robimp.models.impedance import DynamicStiffness
 from robimp.models.rational import ONE, ZERO, RationalFunction, descending, exact, polynomial
 
@@ -249,6 +250,30 @@ def test_a_mode_that_cancels_inside_the_actuator_is_still_counted() -> None:
     assert divides(UNSTABLE, loop.locked()(C))
     assert divides(UNSTABLE, loop.free(nominal)(C))
     assert not divides(UNSTABLE, ImpedanceLoop(port, nominal, loop.desired).locked()(C))
+
+
+@pytest.mark.parametrize("inertia", ["1/200", "1/3"])
+@pytest.mark.parametrize("derivative", [None, 300])
+@pytest.mark.parametrize("end", ["free", "locked"])
+def test_a_loop_is_well_posed_if_a_short_lag_adds_a_root_on_the_left(
+    end: str, derivative: int | None, inertia: str
+) -> None:
+    """H = 2: of `(1 + εs) P + R` instead of `P + R` the new root is at about −(1 + R/P)(∞)/ε."""
+    nominal, desired = DynamicStiffness.of("1/20", "3/10", 1), DynamicStiffness.of(inertia, "1/50", 2)
+    filters = Filters() if derivative is None else Filters(derivative=low_pass(derivative))
+    found = set()
+    for gain in ("-7", "-3", "-2/3", "-2/5", "0", "399/100", "401/100"):
+        C = dynamic_error_feedback(polynomial([exact(gain), exact(3)]), polynomial([1, 1]))
+        port = TwoPort(polynomial([2]), polynomial([0]), polynomial([1]))
+        well_posed = ImpedanceLoop(port, nominal, desired, filters).well_posed(C, end)
+        lag = polynomial([Fraction(1, 10**9), 1])
+        lagging = ImpedanceLoop(replace(port, d=lag), nominal, desired, filters)
+        roots = (lagging.free(nominal) if end == "free" else lagging.locked())(C).complex_roots()
+        fastest = max((root for root, _ in roots), key=lambda root: float(abs(root)))
+        assert abs(float(fastest.real)) > 1e5
+        assert well_posed is (float(fastest.real) < 0)
+        found.add(well_posed)
+    assert found == {True, False}
 
 
 def test_a_characteristic_polynomial_is_linear_in_the_compensator(joint: Joint) -> None:

@@ -105,7 +105,7 @@ def prove_tolerance(setting: Setting, C: Compensator, omega_B: Fraction) -> Iter
         return
     family, required = family_of(setting, C), required_of(setting, omega_B)
     found = weakest(family, required)
-    proven = next((v for v in levels(found, asked) if holds(family, required, v)), None)
+    proven = next((v for v in levels(family, found, asked) if holds(family, required, v)), None)
     beyond = None if found is None else twin(family, found, proven)
     status, refuted = Outcome.PROVEN, None if beyond is None else Refutation(*beyond)
     if proven is None:

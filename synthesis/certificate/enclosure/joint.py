@@ -13,7 +13,7 @@ from flint import fmpq, fmpq_poly
 
 from ....models.controller import Compensator
 from ....models.impedance import DynamicStiffness
-from ....models.rational import exact
+from ....models.rational import exact, fraction
 from ....models.uncertainty import Segment, Table
 from ...problem.constraints.inequality import Inequality, Role, Source, Variable, needs_disc
 from ...problem.setting import ACTUATOR, LOAD, Setting
@@ -68,6 +68,13 @@ class Family:
         """Whether loads are all that varies, without a hold: actuator, impedance and controller are polynomials."""
         ranges = not self.single and (self.setting.impedances or self.setting.actuators)
         return not (ranges or self.tolerance or self.setting.loop.actuator.hold)
+
+    @property
+    def proper_within(self) -> Fraction:
+        """The relative perturbation that can make C = Q/(1−Q), or C_imp, improper: its leading coefficient is 0."""
+        last, observer = self.denominator.degree(), self.setting.spec.controller.type == "dob"
+        below, above = self.denominator[last], self.numerator[last] if observer else fmpq(0)
+        return fraction(abs(below - above) / (abs(below) + abs(above)))
 
     @cached_property
     def compensator(self) -> Compensator:

@@ -44,8 +44,7 @@ class Weakest:
 
 def holds(family: Family, required: Required, v: Fraction) -> bool:
     """Whether everything required is proven for every controller within a relative distance v."""
-    perturbed = CellProver(replace(family, tolerance=v))
-    if not perturbed.decide(required).low > 0:
+    if v >= family.proper_within or not CellProver(replace(family, tolerance=v)).decide(required).low > 0:
         return False
     boxed = CellProver(replace(family, tolerance=v, loads=True))
     return excluded(boxed, "free") and excluded(boxed, "locked")
@@ -91,9 +90,9 @@ def _on_grid(prover: CellProver, constraint: Constraint, v: Fraction, omega: NDA
     return best
 
 
-def levels(found: Weakest | None, asked: Fraction | None) -> Iterator[Fraction]:
+def levels(family: Family, found: Weakest | None, asked: Fraction | None) -> Iterator[Fraction]:
     """Tolerances worth trying, hardest first."""
-    size = min(LARGEST if found is None else found.size, LARGEST)
+    size = min(LARGEST, float(family.proper_within), *([] if found is None else [found.size]))
     for below in BELOW:
         v = short(size * (1 - below), up=False) if size > 0 else Fraction(0)
         if v > (asked or 0):

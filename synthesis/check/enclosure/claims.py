@@ -10,7 +10,7 @@ from math import inf
 from operator import mul
 from typing import Any
 
-from ..joint import Joint, Point, Ranges, ranges
+from ..joint import Joint, Point, Ranges, ranges, rational
 from ..outcome import FALSE, UNDECIDED, demand, tick
 from ..polynomials import ONE, Poly
 from ..proofs import Prover
@@ -70,7 +70,7 @@ class CellProver(Prover):
         if kind[1] == "box" and not witness:
             return self._box(kind[0], v, {})
         if kind[0].startswith("stability"):
-            return self._unstable(kind[0], ZERO if kind[1] == "box" else v, point)
+            return self._unstable(kind[0], v, point)
         return self._on_cells(kind, v, interval, whole, load, point, {})
 
     def _on_cells(
@@ -180,6 +180,10 @@ class CellProver(Prover):
         """Every required claim at its required level, for every coefficient c(1 + e), |e| ≤ v."""
         controller = self.certificate["controller"]
         given = controller["Q" if controller["type"] == "dob" else "C"]
+        n, d = rational(given)
+        below, above = d.c[-1] * n.d, n.c[-1] * d.d if len(n.c) == len(d.c) and controller["type"] == "dob" else 0
+        if abs(below - above) <= v * (abs(below) + abs(above)):
+            return ": C is not proper for all of them"
         extra = {(part, k): (-v, v) for part in ("denominator", "numerator") for k, c in enumerate(given[part]) if c}
         for (name, form), (required, interval, level) in self.asked.items():
             if not required or name == "tolerance":
