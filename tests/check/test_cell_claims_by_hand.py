@@ -271,9 +271,13 @@ def test_the_compensator_of_every_controller_nearby_has_to_be_proper() -> None:
     for controller in (
         {"type": "dob", "Q": Q | {"numerator": [Fraction(8)]}, "C": C},  # with Q(∞) = 0 not before e = −1
         {"type": "dynamic-feedback", "C": Q},
+        {"type": "dynamic-feedback", "C": {part: [-c for c in Q[part]] for part in Q}},
     ):
         assert said(controller, Fraction(99, 100)) == "" and said(controller, Fraction(1)) == improper
-    thirds = {"numerator": [Fraction(8), Fraction(9, 10)], "denominator": [Fraction(10), Fraction(1, 3)]}
+    thirds = {
+        "numerator": [Fraction(8), Fraction(5), Fraction(9, 10)],
+        "denominator": [Fraction(c, 3) for c in (9, 8, 1)],
+    }
     limit = (Fraction(9, 10) - Fraction(1, 3)) / (Fraction(9, 10) + Fraction(1, 3))  # from the other side
     assert said({"type": "dob", "Q": thirds, "C": C}, limit) == improper
     assert said({"type": "dob", "Q": thirds, "C": C}, limit * NEARLY) == ""
