@@ -16,6 +16,7 @@ from .certificate.claim import Claim
 from .certificate.claims import certify
 from .certificate.document import document, encoded, robustly_stable, verdict
 from .certificate.outcome import Outcome
+from .certificate.stability import unstable_behind_ideal
 from .check import Verdict
 from .design import Design, Progress, Proofs, Shared
 from .errors import ExitCode, InputError, RefutedError, RobimpError, UndecidedError
@@ -82,6 +83,13 @@ class Result:
     def robust(self) -> bool:
         """Whether the proven claims make every load of the stated uncertainty stable."""
         return robustly_stable(Setting.of(self.spec), self.claims)
+
+    @property
+    def unstable_behind_ideal(self) -> tuple[str, ...]:
+        """Required equations that speak of an ideal actuator, behind which the nominal joint is not stable."""
+        setting = Setting.of(self.spec)
+        C, required = setting.compensator(self.coefficients), (claim for claim in self.claims if claim.required)
+        return tuple(c.equation for c in required if unstable_behind_ideal(setting, C, (c.id, c.form)))
 
     @property
     def omega_B(self) -> Fraction:

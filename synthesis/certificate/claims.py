@@ -12,7 +12,7 @@ from ...models.controller import Compensator
 from ..problem.constraints import constraints
 from ..problem.setting import Setting
 from .band import prove_bandwidth
-from .claim import Claim
+from .claim import Claim, Refutation
 from .enclosure.claims import (
     prove_boxes,
     prove_constraints,
@@ -28,8 +28,8 @@ from .enclosure.tolerance import Required, holds, weakest
 from .outcome import Outcome
 from .prover import Prover, Subject
 from .sandwich import prove_hardest, prove_largest_band
-from .stability import prove_stability
-from .witness import short
+from .stability import prove_stability, unstable_behind_ideal
+from .witness import Witness, short
 
 
 @np.errstate(all="ignore")
@@ -41,9 +41,18 @@ def certify(setting: Setting, compensator: Compensator) -> tuple[Claim, ...]:
     hold = setting.loop.actuator.hold
     claims = [*(prove_stability(setting, compensator) if hold is None else prove_winding(setting, compensator))]
     claims += prove_boxes(setting, compensator)
-    claims += (_by_polynomials if setting.polynomial else prove_constraints)(setting, compensator)
+    found = (_by_polynomials if setting.polynomial else prove_constraints)(setting, compensator)
+    claims += (_behind_ideal(setting, compensator, claim) for claim in found)
     omega_B = next(claim.margin for claim in claims if claim.id == "bandwidth")
     return (*claims, *prove_tolerance(setting, compensator, omega_B or Fraction(0)))
+
+
+def _behind_ideal(setting: Setting, C: Compensator, claim: Claim) -> Claim:
+    """A claim that supposes a nominal joint stable behind an ideal actuator: refuted at every frequency without it."""
+    if not unstable_behind_ideal(setting, C, (claim.id, claim.form)):
+        return claim
+    anywhere = Refutation(Fraction(1), Witness(claim.interval[0], None))
+    return replace(claim, status=Outcome.REFUTED, margin=None, refuted_at=anywhere)
 
 
 def _by_polynomials(setting: Setting, compensator: Compensator) -> Iterator[Claim]:
@@ -80,6 +89,8 @@ def counterexamples(setting: Setting, compensator: Compensator, omega_B: float) 
         Counterexample(c.id, np.inf, False) for c in claims(setting, compensator) if c.status is not Outcome.PROVEN
     ]
     required = required_of(setting, short(omega_B, up=False))
+    ideal = [c for c, _ in required if unstable_behind_ideal(setting, compensator, (c.id, c.form))]
+    found += [Counterexample(c.id, np.inf, False) for c in ideal]
     if setting.polynomial:
         prover = Prover.of(Subject(setting, compensator))
         for c, level in required:

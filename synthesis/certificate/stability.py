@@ -30,6 +30,18 @@ def prove_stability(setting: Setting, C: Compensator) -> Iterator[Claim]:
         yield _stability(end, pencil(C), loop.well_posed(C, end))
 
 
+IDEAL = {("eq9", "printed"): "free", ("eq12", "paper"): "locked"}  # stated for an ideal actuator: the end that decides
+
+
+def unstable_behind_ideal(setting: Setting, C: Compensator, kind: tuple[str, str]) -> bool:
+    """Whether a claim is about the joint behind an ideal actuator, whose nominal is not stable there."""
+    if kind not in IDEAL:
+        return False
+    ideal, end = setting.loop.with_ideal_actuator(), IDEAL[kind]
+    pencil = ideal.free(ideal.nominal) if end == "free" else ideal.locked()
+    return not (is_hurwitz(pencil(C)) and ideal.well_posed(C, end))
+
+
 def _stability(end: str, p: fmpq_poly, well_posed: bool) -> Claim:
     equation, what = MODES[end]
     rate = decay_rate(p)

@@ -13,8 +13,8 @@ from .joint import Joint, Point, ranges, stiffness
 from .outcome import CheckError
 from .polynomials import Poly, X, decays_faster, limit, norm2, on_axis, product
 from .positivity import Inequality, counterexample, one_is_positive, square
-from .requirements import ALL, PLACES, SIGNED, WHOLE, Kind
-from .statements import EDGE, STATEMENTS, Limit, port_ends
+from .requirements import ALL, PLACES, SIGNED, WHOLE, Kind, Part
+from .statements import EDGE, IDEAL, STATEMENTS, Limit, port_ends
 
 NOUGHT = Fraction(0)
 
@@ -30,11 +30,12 @@ class Prover:
         """The joint where parameters have these values."""
         return Joint(self.spec, self.certificate["controller"], point)
 
-    def fault(
-        self, kind: Kind, v: Fraction, interval: Any, whole: bool, witness: dict[str, Any] | None = None
-    ) -> str | None:
+    def fault(self, kind: Kind, v: Fraction, interval: Any, whole: bool, witness: Part | None = None) -> str | None:
         """Where a statement fails at v, for all uncertainty or at the witness; empty: it is proven; None: undecided."""
         (name, form), (point, load) = kind, self.place(witness)
+        ideal = self.certificate | {"spec": self.spec | {"actuator": {"type": "ideal"}}}
+        if kind in IDEAL and (fault := Prover(ideal, self.deadline)._unstable(IDEAL[kind], NOUGHT, point)):
+            return ": behind an ideal actuator" + fault[1:]
         if self.spec["sampling"] or form == "coefficients":
             return None
         if name.startswith("stability"):
@@ -48,13 +49,11 @@ class Prover:
         edge = EDGE in sections and load is None and self.nominal.edge
         return None if edge and not fault and not self._along(kind, v, interval, point) else fault
 
-    def place(self, witness: dict[str, Any] | None) -> tuple[Point, Poly | None]:
+    def place(self, witness: Part | None) -> tuple[Point, Poly | None]:
         """A witness's parameters, and the dynamic stiffness of its load."""
         given = [(section, (witness or {}).get(name) or {}) for name, section in PLACES.items()]
-        load = witness and witness["load"]
-        return {(at, key): v for at, parts in given for key, v in parts.items()}, stiffness(
-            load.values()
-        ) if load else None
+        load = stiffness(witness["load"].values()) if witness and witness["load"] else None
+        return {(at, key): v for at, parts in given for key, v in parts.items()}, load
 
     def _statement(self, kind: Kind, v: Fraction, interval: Any, whole: bool, load: Poly | None, point: Point) -> str:
         j = self.joint(point)
@@ -101,7 +100,7 @@ class Prover:
         if not decays_faster(f, v, self.deadline):
             return ": a root does not decay at the stated rate"
         end = limit(f, undelayed, far=True)  # 1 + HCF, or 1 + HA/(g + Z_a)
-        return ": a lag, however short, makes it unstable" if end is not None and not (end and end.c[0] > 0) else ""
+        return ": any lag of the actuator makes it unstable" if end is not None and not (end and end.c[0] > 0) else ""
 
     def _along(self, kind: Kind, v: Fraction, interval: Any, point: Point) -> bool:
         """Whether `vW|a| < |b|` is shown for loads on the edge, too: a quadratic in the place t on it, with ends > 0,

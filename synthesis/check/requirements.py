@@ -88,9 +88,7 @@ def _compare_claim(certificate: Part, claim: Part, asked: dict[Kind, Any], expec
     expect(name != "bandwidth" or twin == (witness and witness["value"]), "its witness is not bandwidth.refuted_at")
 
 
-def _compare_witness(
-    certificate: dict[str, Any], claim: dict[str, Any], asked: dict[Kind, Any], expect: Expect
-) -> None:
+def _compare_witness(certificate: Part, claim: Part, asked: dict[Kind, Any], expect: Expect) -> None:
     kind, witness = (claim["id"], claim["form"]), claim["refuted_at"]
     value, omega, about = witness["value"], witness["omega"], witness["claim"]
     lo, hi = (value, value) if kind[0] == "bandwidth" else claim["interval"]

@@ -111,6 +111,8 @@ def rendering(j: Joint, v: Fraction, load: Load) -> Parts:
         yield Inequality([left2, gap * size * norm2(Y)], bound, strict=False)
 
 
+# What is stated for an ideal actuator means something if the nominal joint is stable behind one, in this sense.
+IDEAL = {("eq9", "printed"): "stability-free", ("eq12", "paper"): "stability-locked"}
 EQ18 = "paper", "lumped", "half-plane"
 DRIVEN = *LOADED, EDGE
 Statement = Callable[[Joint, Fraction, Load], Parts]

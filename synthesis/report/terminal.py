@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -38,8 +39,8 @@ def show(result: Result, to: Console) -> None:
     _show_bode(result, to)
     agreement, sampled = result.agreement, result.sampled
     to.print(f"simulation: {agreement.summary(len(result.trials.trials))}")
-    if result.outcome is Outcome.PROVEN and not result.robust:
-        to.print("[yellow]note:[/] no claim covers loads other than the nominal one; (18) physical or (12) would")
+    for note in _notes(result):
+        to.print(f"[yellow]note:[/] {note}")
     if sampled.rms_difference is not None and sampled.rms_theta:
         effect = f"changes the step response by {100 * sampled.rms_difference / sampled.rms_theta:.2g} % rms"
     else:
@@ -54,6 +55,20 @@ def _show_bode(result: Result, to: Console) -> None:
     proven = result.outcome is Outcome.PROVEN
     for line in bode_lines(result.spec, result.coefficients, float(result.omega_B), proven, to):
         to.print(line, soft_wrap=True)
+
+
+def _notes(result: Result) -> Iterator[str]:
+    """What the claims do not say, though one could think so."""
+    if result.outcome is Outcome.PROVEN and not result.robust:
+        yield (
+            "no claim covers loads other than the nominal one; (18) physical, or (12) structured or disc on the whole "
+            "axis, would"
+        )
+    constraints, actuator = result.spec.constraints, result.spec.actuator
+    if constraints.eq12 is not None and constraints.eq12.form == "paper" and actuator.type != "ideal":
+        yield "(12) as printed speaks of an ideal actuator; form: structured or disc says whether this port is passive"
+    for equation in result.unstable_behind_ideal:
+        yield f"{equation} speaks of an ideal actuator, behind which this controller is not stable"
 
 
 def _headline(result: Result) -> str:

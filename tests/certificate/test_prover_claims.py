@@ -12,13 +12,15 @@ from certificate_equations import Loop, number, slack
 from certificate_joints import PAPER_Q, SERIES_ELASTIC, random_case, rational, reference, spec, subject
 from mpmath import mpf, workdps
 
+from robimp.models.controller import Compensator
 from robimp.models.rational import exact, fraction
-from robimp.synthesis.certificate.claim import Claim
+from robimp.synthesis.certificate.claim import Claim, Refutation
 from robimp.synthesis.certificate.claims import certify, counterexamples
 from robimp.synthesis.certificate.hurwitz import is_hurwitz
 from robimp.synthesis.certificate.outcome import Outcome
 from robimp.synthesis.certificate.prover import Prover, Subject
-from robimp.synthesis.certificate.stability import prove_stability
+from robimp.synthesis.certificate.stability import IDEAL, prove_stability
+from robimp.synthesis.certificate.witness import Witness
 from robimp.synthesis.problem.constraints import constraints
 from robimp.synthesis.problem.setting import Setting
 from robimp.synthesis.spec.model import Polynomials, Spec
@@ -353,7 +355,7 @@ def test_a_stable_common_factor_changes_nothing_and_an_unstable_one_is_seen_by_s
     )
     for before, same, hidden in zip(plain, stable, unstable, strict=True):
         assert same.status is before.status
-        if before.form in STABILITY:
+        if before.form in STABILITY or (before.id, before.form) in IDEAL:
             assert hidden.status is REFUTED
         else:
             assert hidden.status is before.status
@@ -381,6 +383,41 @@ def test_a_loop_that_any_lag_makes_unstable_is_not_stable():
         C = setting.compensator(Polynomials(numerator=(Fraction(gain),), denominator=(Fraction(1),)))
         *_, locked = prove_stability(setting, C)
         assert (locked.id, locked.status) == ("stability-locked", expected)
+
+
+def half_torque(pole: str, **constraints: object) -> tuple[Setting, Compensator]:
+    """H = 1/2, Q = (80 − 10 s)/(s² + pole s + 100): with `pole` = −1 Q is unstable, though 1 + HCF and N are not."""
+    asked = spec(
+        plant={"inertia": "1", "damping": "2", "stiffness": "1"},
+        uncertainty={"box": None, "weight": {"numerator": ("0.005",), "denominator": ("1",)}},
+        actuator={
+            "type": "two-port",
+            "transfer": {"numerator": ("1",), "denominator": ("2",)},
+            "impedance": {"numerator": ("0",), "denominator": ("2",)},
+        },
+        impedance={"inertia": "0.1", "damping": "0.2", "stiffness": "0.1"},
+        objective={"attenuation": "0.4"},
+        constraints={"eq12": {"form": "structured", "margin": "-100"}, "eq18": None, "peak": "3"} | constraints,
+    )
+    return subject(asked, rational(["-10", "80"], ["1", pole, "100"]))
+
+
+PRINTED = {"form": "paper", "margin": "0", "band": ("1", "2")}
+
+
+def test_what_speaks_of_an_ideal_actuator_supposes_a_joint_that_is_stable_behind_one():
+    """`1 − Q + (1 + Δ)(Ω + Q)` cannot be kept off the axis by |Δ| where it begins on the right."""
+    for pole, expected in (("1", PROVEN), ("-1", REFUTED)):
+        setting, C = half_torque(pole, eq12=PRINTED)
+        claims = certify(setting, C)
+        assert {c.status for c in claims if c.form in STABILITY} == {PROVEN}
+        for claim in (named(claims, "eq9"), named(claims, "eq12", "paper")):
+            assert claim.status is expected
+            if expected is REFUTED:
+                low = Fraction(1) if claim.id == "eq12" else Fraction(0)
+                assert claim.margin is None and claim.refuted_at == Refutation(Fraction(1), Witness(low, None))
+        found = {c.id for c in counterexamples(setting, C, 1.0)}
+        assert ({"eq9", "eq12"} & found) == (set() if expected is PROVEN else {"eq9", "eq12"})
 
 
 def test_stability_margins_are_routh_sandwiches():

@@ -199,15 +199,15 @@ def test_a_loop_that_is_not_well_posed_is_not_stable() -> None:
     for C, expected in ((["-1", "2000"], True), (["-99/100", "2000"], False), (["-3", "-2000"], True)):
         cert["controller"]["C"] = {"numerator": C, "denominator": ["1", "500"]}
         message = {kind: said for kind, _, _, said in check_bytes(data(seal(cert))).claims}["stability-locked"]
-        assert ("a lag, however short" in message) == expected
+        assert ("any lag of the actuator" in message) == expected
 
 
 @pytest.mark.parametrize(
     ("transfer", "C", "expected"),
     [  # for ω → ∞ 1 + HA/(g + Z_a) is 1 + H (C m/ĝ − (1 − m/ĝ)), m/ĝ = 1/10: for H = 2 it is (C − 4)/5
-        ("2", "0", "a lag, however short"),
-        ("2", "399/100", "a lag, however short"),
-        ("2", "4", "a lag, however short"),
+        ("2", "0", "any lag of the actuator"),
+        ("2", "399/100", "any lag of the actuator"),
+        ("2", "4", "any lag of the actuator"),
         ("2", "401/100", "a root does not decay"),
         ("1", "0", "proven"),
     ],
@@ -232,6 +232,34 @@ def test_in_free_motion_too(transfer: str, C: str, expected: str) -> None:
     said = {(kind, form): said for kind, form, _, said in check_bytes(data(seal(cert))).claims}
     assert expected in said["stability-free", "hurwitz"]
     assert "a lag" not in said["stability-locked", "hurwitz"]
+
+
+@pytest.mark.parametrize(("pole", "stable"), [("1", True), ("-1", False)])
+@pytest.mark.parametrize("sampling", [None, {"rate": "100000", "delay": "0"}])
+def test_what_speaks_of_an_ideal_actuator_supposes_a_joint_that_is_stable_behind_one(
+    pole: str, stable: bool, sampling: Json
+) -> None:
+    """H = 1/2, Q = (80 − 10 s)/(s² + pole s + 100): 1 + HCF and N have no root on the right, but d_Q may have."""
+    s = spec(
+        constraints=NOTHING | {"eq9": {}, "eq12": {"form": "paper", "band": ["1", "2"], "margin": "0"}},
+        plant={"inertia": "1", "damping": "2", "stiffness": "1"},
+        uncertainty={"box": None, "weight": {"numerator": ["1/200"], "denominator": ["1"]}},
+        impedance={"inertia": "1/10", "damping": "1/5", "stiffness": "1/10"},
+        actuator={
+            "type": "two-port",
+            "transfer": {"numerator": ["1"], "denominator": ["2"]},
+            "impedance": {"numerator": ["0"], "denominator": ["2"]},
+        },
+        objective={"attenuation": "2/5"},
+    )
+    s["sampling"] = sampling
+    verdict = check_bytes(data(certificate(s, dob(["-10", "80"], ["1", pole, "100"]), decay="1/10")))
+    said = {(kind, form): said for kind, form, _, said in verdict.claims}
+    ideal = "does not hold: behind an ideal actuator a root does not decay at the stated rate"
+    assert (verdict.exit_code == 0) == stable
+    for kind in (("eq9", "printed"), ("eq12", "paper")):
+        assert said[kind] == f"{' '.join(kind)}: {'proven' if stable else ideal}"
+    assert {said[kind][-6:] for kind in said if kind[0].startswith("stability")} == {"proven"}
 
 
 def test_the_reference_controller_is_proven_with_the_known_bandwidth() -> None:

@@ -61,7 +61,7 @@ def test_at_a_witness_that_fixes_what_varies_polynomials_decide() -> None:
 
 
 SLOW = ": a root does not decay at the stated rate"
-LAG = ": a lag, however short, makes it unstable"
+LAG = ": any lag of the actuator makes it unstable"
 
 
 @pytest.mark.parametrize(

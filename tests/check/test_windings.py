@@ -33,7 +33,7 @@ class Loop(CellProver):
         self.only.spec = self.spec = {"sampling": {"rate": Fraction(rate), "delay": delay}}
         self.only.E, self.only.rest, self.only.others = free, held, []
         self.only.load = self.only.carried = self.only.driven = ZERO
-        self.deadline = monotonic() + 20
+        self.certificate, self.deadline = {}, monotonic() + 20
 
     def joint(self, point: Any, symbols: Any = None) -> VariedJoint:
         return self.only
