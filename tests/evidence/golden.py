@@ -9,7 +9,7 @@ import json
 import sys
 from pathlib import Path
 
-from tampering import twins, valid
+from tampering import claimed, twins, valid
 
 from robimp.synthesis import load, synthesize
 from robimp.synthesis.check import check_bytes
@@ -41,6 +41,7 @@ def main() -> None:
         verdict = check_bytes(data)
         if verdict.exit_code != 0:  # an honest certificate of a refuted claim
             write(f"{REJECT}/{path.stem}.json", data, 4, verdict.message)
+            write(f"{REJECT}/{path.stem}--claimed.json", claimed(data), 4, "what is refuted is claimed to be proven")
             continue
         write(f"{GOLDEN}/{path.stem}.json", data, 0, verdict.message)
         for twin in valid(data) if path.stem == BASE else ():

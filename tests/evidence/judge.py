@@ -165,6 +165,7 @@ STATEMENTS: dict[tuple[str, str], Callable[[Joint, float, Complex, Complex], Sla
         for coupling in ("frozen", "physical")
     },
 }
+IDEAL = {("eq9", "printed"): "free", ("eq12", "paper"): "locked"}  # they suppose a nominal that is stable like this
 WITHOUT_LOAD = {"bandwidth", "peak", "noise"}
 STABILITY = {"hurwitz", "winding", "box"}
 
@@ -173,6 +174,11 @@ def decay(spec: Json, controller: Json, end: str) -> float:
     """Decay rate of the slowest mode, in free motion with the nominal load or against a wall."""
     poles = system(spec, controller, numbers(spec["plant"]), wall=end == "locked").poles()
     return float(-max(poles.real, default=-np.inf))
+
+
+def behind_ideal(spec: Json) -> Json:
+    """The nominal joint with an ideal actuator, and nothing sampled."""
+    return {**nominal(spec), "actuator": {"type": "ideal"}, "sampling": None}
 
 
 def _place(text: str) -> float:
@@ -191,6 +197,10 @@ def judge(certificate: Json, seed: int, points: int = 600, inside: int = 3, phas
         if claim["id"] == "tolerance" and claim["status"] == "proven":
             faults += [f"{name}: {fault}" for fault in _tolerance(certificate, claim, rng, points)]
         if kind not in STATEMENTS:
+            continue
+        if kind in IDEAL and (rate := decay(behind_ideal(spec), controller, IDEAL[kind])) < 1e-9:
+            if claim["status"] == "proven" and rate < -1e-9:
+                faults.append(f"{name}: proven, behind an ideal actuator a mode grows by {-rate:.3g}")
             continue
         if claim["status"] == "proven":
             lo, hi = (_place(end) for end in claim["interval"])

@@ -43,6 +43,15 @@ def scaled(text: str, factor: str) -> str:
     return str(Fraction(text) * Fraction(factor))
 
 
+def claimed(data: bytes) -> bytes:
+    """A certificate in which what is required and refuted is claimed to be proven, just as asked."""
+    certificate = json.loads(data)
+    for claim in certificate["claims"]:
+        if claim["required"] and claim["status"] == "refuted":
+            claim.update(status="proven", margin=claim["refuted_at"]["value"], refuted_at=None)
+    return written(sealed(certificate))
+
+
 def find(certificate: Json, id: str) -> Json:
     return next(claim for claim in certificate["claims"] if claim["id"] == id)
 

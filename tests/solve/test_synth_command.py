@@ -15,6 +15,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from command_line import refused, robimp
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
+SPECS = Path(__file__).parents[1] / "data" / "golden" / "specs"
 bound, search, study = (
     import_module(f"robimp.synthesis.{m}") for m in ("solve.bound", "solve.search", "report.html.study")
 )
@@ -59,6 +60,27 @@ def test_a_search_that_finds_less_than_asked_says_so(tmp_path: Path, monkeypatch
     assert "note: order 3 was asked for" in said and "this controller has order 2" in said
     assert "note: no bound to compare with" in said
     assert "note: order" not in robimp("synth", EXAMPLES / "haninger2016-eq23.yaml", "-o", tmp_path / "eq23").out
+
+
+def test_what_is_stated_for_an_ideal_actuator_is_not_taken_for_the_joint(tmp_path: Path) -> None:
+    """With half the torque the loop is stable, behind an ideal actuator it is not; (12) as printed speaks of that."""
+    given = (SPECS / "unstable-behind-ideal.yaml").read_text(encoding="utf-8")
+    speaks = "note: (9) speaks of an ideal actuator, behind which this controller is not stable"
+    printed = "note: (12) as printed speaks of an ideal actuator"
+    for changes, code, notes in (
+        ((), ExitCode.REFUTED, (speaks,)),
+        ((("-10, 80", "80"), ("-1, 100", "20, 100")), ExitCode.PROVEN, ()),
+        ((("eq9: {}", "eq12: {form: paper, band: [1, 2]}"), ("-1, 100", "1, 100")), ExitCode.PROVEN, (printed,)),
+    ):
+        text = given
+        for old, new in changes:
+            assert old in text
+            text = text.replace(old, new)
+        spec = tmp_path / "spec.yaml"
+        spec.write_text(text, encoding="utf-8")
+        run = robimp("synth", spec, "-o", tmp_path / str(code.value))
+        said = " ".join(run.out.split())
+        assert run.code == code and [note for note in (speaks, printed) if note in said] == list(notes)
 
 
 def test_the_report_is_about_the_bytes_that_were_checked_and_they_are_checked_once(
