@@ -158,6 +158,23 @@ def test_an_algebraic_loop_is_an_input_error() -> None:
         realizable(setting, Polynomials(numerator=(Fraction(-1),), denominator=(Fraction(1),)))
 
 
+@pytest.mark.parametrize("box", ["", ", box: {inertia: ±20 %, damping: ±40 %, stiffness: [0, 0]}"])
+def test_an_unstable_controller_has_no_tolerance_and_prover_and_checker_agree(box: str) -> None:
+    weight = "{numerator: [0.01], denominator: [1]}"
+    text = spec_text(
+        ("70.75", "-0.75"),
+        ("{box: {inertia: ±20 %, damping: ±40 %, stiffness: [0, 0]}}", f"{{weight: {weight}{box}}}"),
+        ("eq9: {}, ", ""),
+        ("eq12: {form: structured}, ", ""),
+        ("peak: 2.0", "peak: 200, tolerance: float32"),
+    )
+    result = synthesize(parse_spec(text))
+    statuses = {(claim.id, claim.form): claim.status for claim in result.claims}
+    assert result.checked.exit_code == result.exit_code == ExitCode.REFUTED
+    assert statuses["stability-free", "hurwitz"] is Outcome.REFUTED
+    assert statuses["tolerance", "coefficients"] is not Outcome.PROVEN
+
+
 def test_simulation_and_proof_agree_on_the_papers_filter(paper: Result) -> None:
     setting = setting_of(paper.spec)
     C = realizable(setting, paper.coefficients)

@@ -43,8 +43,7 @@ def certify(setting: Setting, compensator: Compensator) -> tuple[Claim, ...]:
     claims += prove_boxes(setting, compensator)
     found = (_by_polynomials if setting.polynomial else prove_constraints)(setting, compensator)
     claims += (_behind_ideal(setting, compensator, claim) for claim in found)
-    omega_B = next(claim.margin for claim in claims if claim.id == "bandwidth")
-    return (*claims, *prove_tolerance(setting, compensator, omega_B or Fraction(0)))
+    return (*claims, *prove_tolerance(setting, compensator, claims))
 
 
 def _behind_ideal(setting: Setting, C: Compensator, claim: Claim) -> Claim:

@@ -426,6 +426,26 @@ def test_a_tolerance_ends_before_a_compensator_is_improper() -> None:
     assert family_of(setting, subject(setting.spec, Q)[1]).proper_within == 1
 
 
+def test_no_tolerance_is_proven_of_a_controller_that_lacks_what_is_required_itself() -> None:
+    """Roots have no frequency at which a witness could be looked at: then it is undecided."""
+    asked, unstable = Fraction(1, 2**24), rational([2000], [1, Fraction("-0.75"), 2500])
+    whole = extended(tolerance=asked)
+    bare = whole.constraints.model_copy(update={"eq9": None, "eq12": None, "eq18": None, "peak": None})
+    for peak, box, given, claim in (
+        (Fraction(1), whole.uncertainty.box, Q, ("peak", "sensitivity")),
+        (None, whole.uncertainty.box, unstable, ("stability-free", "box")),
+        (None, None, unstable, None),
+    ):
+        uncertainty = whole.uncertainty.model_copy(update={"box": box})
+        changes = {"constraints": bare.model_copy(update={"peak": peak}), "uncertainty": uncertainty}
+        found = claim_named(certify(*subject(whole.model_copy(update=changes), given)), "tolerance")
+        assert found.margin is None and found.status is (Outcome.REFUTED if claim else Outcome.UNDECIDED)
+        if claim:
+            witness = found.refuted_at.witness  # type: ignore[union-attr]
+            assert (witness.controller, witness.claim) == (given, claim)  # type: ignore[union-attr]
+            assert found.refuted_at.value == asked  # type: ignore[union-attr]
+
+
 def test_a_search_is_told_where_a_tolerance_fails() -> None:
     setting, C = subject(extended(tolerance=Fraction(1, 100)), Q)
     found = counterexamples(setting, C, 8.87)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import partial
 
 from ....models.controller import Compensator
 from ...problem.constraints import constraints
@@ -18,7 +19,7 @@ from .band import prove_bandwidth
 from .box import largest_spread
 from .joint import family_of
 from .prover import NEAR, CellProver
-from .tolerance import holds, levels, twin, weakest
+from .tolerance import itself, largest
 from .winding import turns
 
 EVERY = {"free": "every load, impedance and actuator of the stated boxes", "locked": "every actuator of the stated box"}
@@ -98,15 +99,17 @@ def tolerant(setting: Setting, C: Compensator, band: Claim) -> Claim:
     return band
 
 
-def prove_tolerance(setting: Setting, C: Compensator, omega_B: Fraction) -> Iterator[Claim]:
-    """The tolerance of the coefficients, where the specification asks for one."""
-    asked = setting.spec.constraints.tolerance
+def prove_tolerance(setting: Setting, C: Compensator, claims: Sequence[Claim]) -> Iterator[Claim]:
+    """The tolerance of the coefficients, where the specification asks for one; claims: all others."""
+    asked, family = setting.spec.constraints.tolerance, family_of(setting, C)
     if asked is None:
         return
-    family, required = family_of(setting, C), required_of(setting, omega_B)
-    found = weakest(family, required)
-    proven = next((v for v in levels(family, found, asked) if holds(family, required, v)), None)
-    beyond = None if found is None else twin(family, found, proven)
+    broken = [claim for claim in claims if claim.required and claim.status is not Outcome.PROVEN]
+    if broken:  # by the controller itself; roots have no frequency to name
+        proven, beyond = None, next(filter(None, map(partial(itself, family), broken)), None)
+    else:
+        omega_B = next(claim.margin for claim in claims if claim.id == "bandwidth")
+        proven, beyond = largest(family, required_of(setting, omega_B or Fraction(0)), asked)
     status, refuted = Outcome.PROVEN, None if beyond is None else Refutation(*beyond)
     if proven is None:
         refuted = replace(refuted, value=asked) if refuted is not None and refuted.value <= asked else None

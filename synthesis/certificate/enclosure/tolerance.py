@@ -14,6 +14,7 @@ from flint import fmpq_poly
 from ....models.rational import descending
 from ...problem.constraints.inequality import Constraint
 from ...spec.model import Polynomials
+from ..claim import Claim
 from ..witness import Witness, short
 from .cells import Cells, Part
 from .exclusion import excluded
@@ -101,6 +102,15 @@ def levels(family: Family, found: Weakest | None, asked: Fraction | None) -> Ite
         yield asked
 
 
+def largest(
+    family: Family, required: Required, asked: Fraction
+) -> tuple[Fraction | None, tuple[Fraction, Witness] | None]:
+    """The largest tolerance that is proven, at least the one asked for, and its twin."""
+    weak = weakest(family, required)
+    proven = next((v for v in levels(family, weak, asked) if holds(family, required, v)), None)
+    return proven, None if weak is None else twin(family, weak, proven)
+
+
 def twin(family: Family, found: Weakest, proven: Fraction | None) -> tuple[Fraction, Witness] | None:
     """A controller just beyond the tolerance for which the weakest constraint fails, at an exact point."""
     point, level = found.point, found.constraint.level or Fraction(0)
@@ -121,6 +131,14 @@ def twin(family: Family, found: Weakest, proven: Fraction | None) -> tuple[Fract
             claim = (found.constraint.id, found.constraint.form)
             return v, replace(prover.witness(found.constraint, at), controller=coefficients, claim=claim)
     return None
+
+
+def itself(family: Family, broken: Claim) -> tuple[Fraction, Witness] | None:
+    """The controller as it is, where a claim about it is refuted at a frequency: no tolerance holds."""
+    if broken.refuted_at is None or broken.refuted_at.witness is None:
+        return None
+    own = Polynomials(numerator=descending(family.numerator), denominator=descending(family.denominator))
+    return Fraction(0), replace(broken.refuted_at.witness, controller=own, claim=(broken.id, broken.form))
 
 
 def _of_controller(family: Family) -> NDArray[np.bool_]:
