@@ -218,15 +218,18 @@ def setting_of(spec: Spec) -> Setting:
 def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
     """The compensator of given coefficients.
 
-    Raises: InputError for Q = 1, a loop that is not well-posed free or locked, or coefficients that single precision
-    cannot hold where the tolerance asked for is its rounding.
+    Raises: InputError for Q = 1, 1 + CF = 0 throughout, a loop that is not well-posed free or locked, or coefficients
+    that single precision cannot hold where the tolerance asked for is its rounding.
     """
     _demand_range(setting, coefficients)
     try:
         C = setting.compensator(coefficients)
         setting.loop.Q_tilde(C)
-    except (ValueError, ZeroDivisionError) as error:
+        setting.loop.Q_ideal(C)
+    except ValueError as error:
         raise InputError(f"controller.coefficients: {error}") from error
+    except ZeroDivisionError as error:
+        raise InputError("controller.coefficients: 1 + HCF, or 1 + CF, is 0 at every frequency") from error
     for end, (fault, remedy) in NOT_WELL_POSED.items():
         if not setting.loop.well_posed(C, end):
             message = f"controller.coefficients: algebraic loop, {fault} not positive at infinite frequency"

@@ -175,6 +175,21 @@ def test_an_unstable_controller_has_no_tolerance_and_prover_and_checker_agree(bo
     assert statuses["tolerance", "coefficients"] is not Outcome.PROVEN
 
 
+@pytest.mark.parametrize("half", [["1"], ["1", "1"]])
+def test_a_loop_of_nothing_but_zero_is_an_input_error(half: list[str]) -> None:
+    """C = −1 behind an ideal actuator, or behind half the torque, where only 1 + CF is 0."""
+    ideal = GOOD[: GOOD.index("actuator:")] + "actuator: {type: ideal}\n" + GOOD[GOOD.index("impedance:") :]
+    port = (
+        "{type: two-port, transfer: {numerator: [1], denominator: [2]}, impedance: {numerator: [0], denominator: [1]}}"
+    )
+    for actuator in ("{type: ideal}", port):
+        text = ideal.replace("{type: ideal}", actuator)
+        setting = setting_of(parse_spec(text.replace("{type: dob, order: 4}", "{type: dynamic-feedback, order: 1}")))
+        given = tuple(map(Fraction, half))
+        with pytest.raises(InputError, match=r"1 \+ HCF, or 1 \+ CF, is 0 at every frequency"):
+            realizable(setting, Polynomials(numerator=tuple(-c for c in given), denominator=given))
+
+
 def test_simulation_and_proof_agree_on_the_papers_filter(paper: Result) -> None:
     setting = setting_of(paper.spec)
     C = realizable(setting, paper.coefficients)

@@ -33,8 +33,7 @@ class Prover:
     def fault(self, kind: Kind, v: Fraction, interval: Any, whole: bool, witness: Part | None = None) -> str | None:
         """Where a statement fails at v, for all uncertainty or at the witness; empty: it is proven; None: undecided."""
         (name, form), (point, load) = kind, self.place(witness)
-        ideal = self.certificate | {"spec": self.spec | {"actuator": {"type": "ideal"}}}
-        if kind in IDEAL and (fault := Prover(ideal, self.deadline)._unstable(IDEAL[kind], NOUGHT, point)):
+        if kind in IDEAL and (fault := Prover(self.ideal(), self.deadline)._unstable(IDEAL[kind], NOUGHT, point)):
             return ": behind an ideal actuator" + fault[1:]
         if self.spec["sampling"] or form == "coefficients":
             return None
@@ -48,6 +47,11 @@ class Prover:
         fault = self._statement(kind, v, interval, whole, load, point)
         edge = EDGE in sections and load is None and self.nominal.edge
         return None if edge and not fault and not self._along(kind, v, interval, point) else fault
+
+    def ideal(self) -> Part:
+        """The same certificate for an ideal actuator, with nothing sampled."""
+        spec = self.spec | {"actuator": {"type": "ideal"}, "sampling": None}
+        return self.certificate | {"spec": spec | {"uncertainty": spec["uncertainty"] | {"actuator": None}}}
 
     def place(self, witness: Part | None) -> tuple[Point, Poly | None]:
         """A witness's parameters, and the dynamic stiffness of its load."""

@@ -38,6 +38,7 @@ DRIVE = ActuatorBox(
 )
 SAMPLED = Sampling(rate=Fraction(1000), delay=Fraction(1, 1000))
 TABLE = Table(points=((Fraction(1), Fraction("0.05")), (Fraction(100), Fraction("0.3"))), beyond="hold")
+ONE_PERCENT = Fraction("0.99"), Fraction("1.01")
 Q = rational(*PAPER_Q)
 
 
@@ -444,6 +445,36 @@ def test_no_tolerance_is_proven_of_a_controller_that_lacks_what_is_required_itse
             witness = found.refuted_at.witness  # type: ignore[union-attr]
             assert (witness.controller, witness.claim) == (given, claim)  # type: ignore[union-attr]
             assert found.refuted_at.value == asked  # type: ignore[union-attr]
+
+
+def test_within_a_tolerance_the_printed_passivity_stays_stable_behind_an_ideal_actuator() -> None:
+    """C = k/(s+1)³, half the torque: 1 + C has roots on the axis at k = 8, which a band away from ω = √3 misses."""
+    base = extended(tolerance=Fraction(1, 100))
+    body = base.model_dump()
+    body |= {
+        "plant": {"inertia": Fraction(1), "damping": Fraction(1), "stiffness": Fraction(0)},
+        "uncertainty": {
+            "box": {"inertia": ONE_PERCENT, "damping": ONE_PERCENT, "stiffness": (Fraction(0), Fraction(0))}
+        },
+        "actuator": {
+            "type": "two-port",
+            "transfer": {"numerator": (Fraction(1),), "denominator": (Fraction(2),)},
+            "impedance": {"numerator": (Fraction(0),), "denominator": (Fraction(2),)},
+        },
+        "impedance": {"inertia": Fraction(1), "damping": Fraction(2), "stiffness": Fraction(1)},
+        "controller": {"type": "dynamic-feedback", "order": 3, "filters": {}},
+        "objective": {"maximize": "bandwidth", "attenuation": Fraction(1, 2), "rendering_error": None},
+        "constraints": {
+            "eq12": {"form": "paper", "band": (Fraction(1, 2), Fraction(3, 5))},
+            "friction": "report",
+            "tolerance": Fraction(1, 100),
+        },
+    }
+    for k, proven in (("7.99", False), ("7", True)):
+        asked = Spec.model_validate(body)
+        claims = certify(*subject(asked, rational([Fraction(k)], [1, 3, 3, 1])))
+        assert claim_named(claims, "eq12").status is Outcome.PROVEN
+        assert (claim_named(claims, "tolerance").status is Outcome.PROVEN) is proven
 
 
 def test_a_search_is_told_where_a_tolerance_fails() -> None:

@@ -262,6 +262,34 @@ def test_what_speaks_of_an_ideal_actuator_supposes_a_joint_that_is_stable_behind
     assert {said[kind][-6:] for kind in said if kind[0].startswith("stability")} == {"proven"}
 
 
+@pytest.mark.parametrize(("k", "stable"), [("7", True), ("799/100", False)])
+@pytest.mark.parametrize("motor", [None, {"motor_inertia": ["9/1000", "11/1000"]}])
+def test_and_so_for_every_controller_within_the_tolerance(k: str, stable: bool, motor: Json) -> None:
+    """C = k/(s+1)³: 1 + C has roots on the axis at k = 8, within 1 % of 7.99; a band away from √3 misses them."""
+    half: Json = {
+        "type": "two-port",
+        "transfer": {"numerator": ["1"], "denominator": ["2"]},
+        "impedance": {"numerator": ["0"], "denominator": ["2"]},
+    }
+    s = spec(
+        constraints=NOTHING | {"eq12": {"form": "paper", "band": ["1/2", "3/5"], "margin": "0"}, "tolerance": "1/100"},
+        plant={"inertia": "1", "damping": "1", "stiffness": "0"},
+        uncertainty={"box": None, "weight": {"numerator": ["1/100"], "denominator": ["1"]}, "actuator": motor},
+        impedance={"inertia": "1", "damping": "2", "stiffness": "1"},
+        controller={"type": "dynamic-feedback"},
+        objective={"attenuation": "1/2"},
+        **({} if motor else {"actuator": half}),
+    )
+    C = {"numerator": [k], "denominator": ["1", "3", "3", "1"]}
+    cert = certificate(s, {"type": "dynamic-feedback", "C": C}, decay="0")
+    cert["bandwidth"]["proven"] = "1/10"  # which is in the tolerance
+    for claimed in (c for c in cert["claims"] if c["id"] == "bandwidth"):
+        claimed.update(margin="1/10", interval=["0", "1/10"])
+    said = {kind: said for kind, _, _, said in check_bytes(data(seal(cert))).claims}
+    assert said["eq12"] == "eq12 paper: proven"
+    assert ("tolerance coefficients: proven" in said["tolerance"]) == stable, said
+
+
 def test_the_reference_controller_is_proven_with_the_known_bandwidth() -> None:
     verdict = check_bytes(data(certificate(spec(), EQ23)))
     assert verdict.exit_code == 0 and verdict.omega_b is not None

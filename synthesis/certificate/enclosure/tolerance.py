@@ -12,9 +12,11 @@ import numpy as np
 from flint import fmpq_poly
 
 from ....models.rational import descending
-from ...problem.constraints.inequality import Constraint
-from ...spec.model import Polynomials
+from ...problem.constraints.inequality import WHOLE, Constraint
+from ...problem.setting import Setting
+from ...spec.model import IdealActuator, Polynomials
 from ..claim import Claim
+from ..stability import IDEAL
 from ..witness import Witness, short
 from .cells import Cells, Part
 from .exclusion import excluded
@@ -48,7 +50,18 @@ def holds(family: Family, required: Required, v: Fraction) -> bool:
     if v >= family.proper_within or not CellProver(replace(family, tolerance=v)).decide(required).low > 0:
         return False
     boxed = CellProver(replace(family, tolerance=v, loads=True))
-    return excluded(boxed, "free") and excluded(boxed, "locked")
+    if not (excluded(boxed, "free") and excluded(boxed, "locked")):
+        return False
+    banded = [IDEAL[c.id, c.form] for c, _ in required if (c.id, c.form) in IDEAL and c.band != WHOLE]
+    return all(excluded(CellProver(replace(_behind_ideal(family), tolerance=v, loads=True)), end) for end in banded)
+
+
+def _behind_ideal(family: Family) -> Family:
+    """The same with an ideal actuator, and nothing sampled."""
+    spec = family.setting.spec
+    certain = spec.uncertainty.model_copy(update={"actuator": None})
+    ideal = {"actuator": IdealActuator(type="ideal"), "sampling": None, "uncertainty": certain}
+    return replace(family, setting=Setting.of(spec.model_copy(update=ideal)))
 
 
 def weakest(family: Family, required: Required) -> Weakest | None:

@@ -15,7 +15,7 @@ from ..outcome import FALSE, UNDECIDED, demand, tick
 from ..polynomials import ONE, Poly
 from ..proofs import Prover
 from ..requirements import ALL, WHOLE, Kind, requirements
-from ..statements import EDGE, STATEMENTS, Limit, port_ends
+from ..statements import EDGE, IDEAL, STATEMENTS, Limit, port_ends
 from .cells import ZERO, Cell, roots
 from .forms import UnresolvedError
 from .joint import PLACE, VariedJoint, View, filtered, square_on
@@ -192,6 +192,8 @@ class CellProver(Prover):
                 text = self._box(name, Fraction(form == "box"), extra)
             else:
                 text = self._on_cells((name, form), level or ZERO, interval, interval == WHOLE, None, {}, extra)
+            if not text and (name, form) in IDEAL and interval != WHOLE:  # where it excludes no root on the axis
+                text = CellProver(self.ideal(), self.deadline)._box(IDEAL[name, form], ZERO, extra)
             if text:
                 return f": {name} {form}{text}"
         return ""
