@@ -110,6 +110,9 @@ def test_the_certificate_says_whether_the_box_is_covered(constraints: str, cover
     aside = tuple(c for c in claims if c.id != "friction" and c.form != "box")
     assert robustly_stable(setting, aside) is covered
     assert robustly_stable(setting, claims)
+    level = {"eq12": Fraction(0)}  # nothing to spare: a root may be on the axis
+    touching = tuple(replace(c, margin=level.get(c.id, c.margin)) for c in aside)
+    assert robustly_stable(setting, touching) is (covered and "eq12" not in constraints)
     expected = OUTSIDE if robustly_stable(setting, claims) else NOMINAL_ONLY
     assert certificate["not_claimed"][-1] == expected
 

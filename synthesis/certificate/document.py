@@ -128,10 +128,11 @@ def _numbers(values: object, names: dict[str, str]) -> dict[str, str] | None:
 def robustly_stable(setting: Setting, claims: tuple[Claim, ...]) -> bool:
     """Whether the proven claims make every load of the uncertainty stable: nominal stability and one robust claim.
 
-    The claim about the box if there is no disc on top; (18) with physical coupling; passivity on the whole axis,
-    structured or over the disc; friction; (9), which is about an ideal actuator, if the actuator is ideal.
+    The claim about the box if there is no disc on top; (18) with physical coupling; passivity on the whole axis with
+    something to spare, structured or over the disc; friction; (9), about an ideal actuator, if the actuator is ideal.
     """
-    proven = {(c.id, c.form) for c in claims if c.status is Outcome.PROVEN and c.interval == (Fraction(0), None)}
+    whole = [c for c in claims if c.status is Outcome.PROVEN and c.interval == (Fraction(0), None)]
+    proven = {(c.id, c.form) for c in whole if c.id != "eq12" or (c.margin or 0) > 0}
     robust = {("eq12", "structured"), ("eq12", "disc"), ("friction", "strictly-positive-real")}
     robust |= {("eq18", f"{form}/physical") for form in ("paper", "lumped", "half-plane")}
     if setting.loop.actuator == IDEAL:

@@ -187,7 +187,7 @@ def _demands(spec: Spec) -> str:
     if asked.noise is not None:
         parts.append(f"command per sensor noise ≤ {number(asked.noise.gain)}")
     if asked.friction == "require":
-        parts.append("no limit cycle from friction")
+        parts.append("no limit cycle from friction in free motion")
     if asked.tolerance is not None:
         parts.append(f"all of it with coefficients off by {number(100 * asked.tolerance)} %")
     return "; ".join(parts)
