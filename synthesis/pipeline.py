@@ -233,7 +233,7 @@ def realizable(setting: Setting, coefficients: Polynomials) -> Compensator:
     for end, (fault, remedy) in NOT_WELL_POSED.items():
         if not setting.loop.well_posed(C, end):
             message = f"controller.coefficients: algebraic loop, {fault} not positive at infinite frequency"
-            raise InputError(f"{message}: with any lag, however short, it is unstable; {remedy}")
+            raise InputError(f"{message}: any lag of the actuator makes it unstable; {remedy}")
     return C
 
 

@@ -42,11 +42,11 @@ def certify(setting: Setting, compensator: Compensator) -> tuple[Claim, ...]:
     claims = [*(prove_stability(setting, compensator) if hold is None else prove_winding(setting, compensator))]
     claims += prove_boxes(setting, compensator)
     found = (_by_polynomials if setting.polynomial else prove_constraints)(setting, compensator)
-    claims += (_behind_ideal(setting, compensator, claim) for claim in found)
+    claims += (_refuted_behind_ideal(setting, compensator, claim) for claim in found)
     return (*claims, *prove_tolerance(setting, compensator, claims))
 
 
-def _behind_ideal(setting: Setting, C: Compensator, claim: Claim) -> Claim:
+def _refuted_behind_ideal(setting: Setting, C: Compensator, claim: Claim) -> Claim:
     """A claim that supposes a nominal joint stable behind an ideal actuator: refuted at every frequency without it."""
     if not unstable_behind_ideal(setting, C, (claim.id, claim.form)):
         return claim

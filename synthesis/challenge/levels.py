@@ -19,7 +19,7 @@ from ..simulation.adversary.loop import Loop, free, locked
 from ..simulation.adversary.motion import fading
 from ..simulation.adversary.stretched import vertices
 from ..simulation.adversary.tones import Quantity
-from ..spec.model import IdealActuator, Spec
+from ..spec.model import Spec
 from .proven import Subject, hints_of, nominal_load
 
 FAR = 1000.0  # beyond the band, for what is worst at ω = 0 or ∞
@@ -85,7 +85,7 @@ def loops_of(subject: Subject, level: Level, member: Member) -> list[Loop]:
     """The joints that a level is about, of one member of the ranges."""
     spec = member.spec
     if level.ideal:
-        spec = spec.model_copy(update={"actuator": IdealActuator(type="ideal"), "sampling": None})
+        spec = spec.behind_ideal_actuator
     if level.locked:
         return [locked(spec, subject.C)]
     return [free(spec, subject.C, load) for load in ([nominal_load(spec)] if level.lumped else vertices(spec))]

@@ -25,7 +25,7 @@ from ..simulation.adversary.stretched import (
     stretch_to_yield,
     vertices,
 )
-from ..spec.model import IdealActuator, Spec
+from ..spec.model import Spec
 from .proven import Subject, hints_of, load_of, member_of, nominal_load, witness_of
 
 EXACT = ("printed", "half-plane/frozen", "half-plane/physical")  # forms necessary and sufficient over the disc
@@ -50,7 +50,7 @@ def _built(subject: Subject, claim: Claim) -> Callable[[Member], Loop]:
     def loop(member: Member) -> Loop:
         spec = member.spec
         if claim.id == "eq9":
-            spec = spec.model_copy(update={"actuator": IdealActuator(type="ideal"), "sampling": None})
+            spec = spec.behind_ideal_actuator
         return free(spec, subject.C, nominal_load(spec), frozen=claim.form.endswith("/frozen"))
 
     return loop

@@ -273,6 +273,13 @@ class Spec(Section):
     constraints: Constraints
     sampling: Sampling | None = None
 
+    @property
+    def behind_ideal_actuator(self) -> Spec:
+        """The same joint with an ideal actuator and nothing sampled, of which (9) and the printed (12) speak."""
+        loads = self.uncertainty.model_copy(update={"actuator": None})
+        ideal = {"actuator": IdealActuator(type="ideal"), "sampling": None, "uncertainty": loads}
+        return self.model_copy(update=ideal)
+
     def __repr__(self) -> str:
         return f"<Spec {self.name}: {self.motion}, {self.actuator.type}, {self.controller.type}>"
 

@@ -202,6 +202,12 @@ def test_a_loop_that_is_not_well_posed_is_not_stable() -> None:
         assert ("any lag of the actuator" in message) == expected
 
 
+def gain(above: str, below: str) -> Json:
+    """A two-port that gives this share of the torque at once, without an impedance of its own."""
+    share, none = ({"numerator": [n], "denominator": [below]} for n in (above, "0"))
+    return {"type": "two-port", "transfer": share, "impedance": none}
+
+
 @pytest.mark.parametrize(
     ("transfer", "C", "expected"),
     [  # for ω → ∞ 1 + HA/(g + Z_a) is 1 + H (C m/ĝ − (1 − m/ĝ)), m/ĝ = 1/10: for H = 2 it is (C − 4)/5
@@ -219,11 +225,7 @@ def test_in_free_motion_too(transfer: str, C: str, expected: str) -> None:
         plant={"inertia": "1/20", "damping": "3/10", "stiffness": "1"},
         uncertainty={"box": {"inertia": ["1/20", "1/20"], "damping": ["3/10", "3/10"], "stiffness": ["1", "1"]}},
         impedance={"inertia": "1/200", "damping": "1/50", "stiffness": "1/50"},
-        actuator={
-            "type": "two-port",
-            "transfer": {"numerator": [transfer], "denominator": ["1"]},
-            "impedance": {"numerator": ["0"], "denominator": ["1"]},
-        },
+        actuator=gain(transfer, "1"),
         controller={"type": "dynamic-feedback"},
         objective={"attenuation": "1/2"},
     )
@@ -245,11 +247,7 @@ def test_what_speaks_of_an_ideal_actuator_supposes_a_joint_that_is_stable_behind
         plant={"inertia": "1", "damping": "2", "stiffness": "1"},
         uncertainty={"box": None, "weight": {"numerator": ["1/200"], "denominator": ["1"]}},
         impedance={"inertia": "1/10", "damping": "1/5", "stiffness": "1/10"},
-        actuator={
-            "type": "two-port",
-            "transfer": {"numerator": ["1"], "denominator": ["2"]},
-            "impedance": {"numerator": ["0"], "denominator": ["2"]},
-        },
+        actuator=gain("1", "2"),
         objective={"attenuation": "2/5"},
     )
     s["sampling"] = sampling
@@ -266,11 +264,6 @@ def test_what_speaks_of_an_ideal_actuator_supposes_a_joint_that_is_stable_behind
 @pytest.mark.parametrize("motor", [None, {"motor_inertia": ["9/1000", "11/1000"]}])
 def test_and_so_for_every_controller_within_the_tolerance(k: str, stable: bool, motor: Json) -> None:
     """C = k/(s+1)³: 1 + C has roots on the axis at k = 8, within 1 % of 7.99; a band away from √3 misses them."""
-    half: Json = {
-        "type": "two-port",
-        "transfer": {"numerator": ["1"], "denominator": ["2"]},
-        "impedance": {"numerator": ["0"], "denominator": ["2"]},
-    }
     s = spec(
         constraints=NOTHING | {"eq12": {"form": "paper", "band": ["1/2", "3/5"], "margin": "0"}, "tolerance": "1/100"},
         plant={"inertia": "1", "damping": "1", "stiffness": "0"},
@@ -278,7 +271,7 @@ def test_and_so_for_every_controller_within_the_tolerance(k: str, stable: bool, 
         impedance={"inertia": "1", "damping": "2", "stiffness": "1"},
         controller={"type": "dynamic-feedback"},
         objective={"attenuation": "1/2"},
-        **({} if motor else {"actuator": half}),
+        **({} if motor else {"actuator": gain("1", "2")}),
     )
     C = {"numerator": [k], "denominator": ["1", "3", "3", "1"]}
     cert = certificate(s, {"type": "dynamic-feedback", "C": C}, decay="0")

@@ -101,9 +101,10 @@ def tolerant(setting: Setting, C: Compensator, band: Claim) -> Claim:
 
 def prove_tolerance(setting: Setting, C: Compensator, claims: Sequence[Claim]) -> Iterator[Claim]:
     """The tolerance of the coefficients, where the specification asks for one; claims: all others."""
-    asked, family = setting.spec.constraints.tolerance, family_of(setting, C)
+    asked = setting.spec.constraints.tolerance
     if asked is None:
         return
+    family = family_of(setting, C)
     broken = [claim for claim in claims if claim.required and claim.status is not Outcome.PROVEN]
     if broken:  # by the controller itself; roots have no frequency to name
         proven, beyond = None, next(filter(None, map(partial(itself, family), broken)), None)

@@ -14,7 +14,7 @@ from flint import fmpq_poly
 from ....models.rational import descending
 from ...problem.constraints.inequality import WHOLE, Constraint
 from ...problem.setting import Setting
-from ...spec.model import IdealActuator, Polynomials
+from ...spec.model import Polynomials
 from ..claim import Claim
 from ..stability import IDEAL
 from ..witness import Witness, short
@@ -53,15 +53,8 @@ def holds(family: Family, required: Required, v: Fraction) -> bool:
     if not (excluded(boxed, "free") and excluded(boxed, "locked")):
         return False
     banded = [IDEAL[c.id, c.form] for c, _ in required if (c.id, c.form) in IDEAL and c.band != WHOLE]
-    return all(excluded(CellProver(replace(_behind_ideal(family), tolerance=v, loads=True)), end) for end in banded)
-
-
-def _behind_ideal(family: Family) -> Family:
-    """The same with an ideal actuator, and nothing sampled."""
-    spec = family.setting.spec
-    certain = spec.uncertainty.model_copy(update={"actuator": None})
-    ideal = {"actuator": IdealActuator(type="ideal"), "sampling": None, "uncertainty": certain}
-    return replace(family, setting=Setting.of(spec.model_copy(update=ideal)))
+    ideal = replace(boxed.family, setting=Setting.of(family.setting.spec.behind_ideal_actuator)) if banded else None
+    return ideal is None or all(excluded(CellProver(ideal), end) for end in banded)
 
 
 def weakest(family: Family, required: Required) -> Weakest | None:
